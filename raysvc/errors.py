@@ -1,0 +1,81 @@
+"""Everything that raysvc raises on purpose.
+
+    RaysvcError
+      + InvalidInput            the caller sent something wrong; names the field
+      |   - InvalidScene        a scene file that is broken or lies
+      |   - InvalidEnvironment  the same for an environment map
+      |   - InvalidSetting      a camera, setting or parameter out of its range, or unknown
+      |   - Unsupported         correct, and required, but not something that raysvc can do
+      |   - LimitExceeded       larger than the limits allow
+      + NotFound                no such scene, environment, render
+      + Unavailable             a part of raysvc that this machine cannot run
+      + QueueFull               try again later
+      + Cancelled               the caller asked to stop
+      + DeadlineExceeded        the work took longer than it was given
+"""
+
+
+class RaysvcError(Exception):
+    """Root of the tree. `field` names what was wrong, in the caller's words, or is None."""
+
+    retryable = False
+
+    def __init__(self, message: str, field: str | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+        self.field = field
+
+    def __str__(self) -> str:
+        return f"{self.field}: {self.message}" if self.field else self.message
+
+
+class InvalidInput(RaysvcError):
+    """The caller sent something wrong."""
+
+
+class InvalidScene(InvalidInput):
+    """A scene file that is broken, incomplete or contradicts itself."""
+
+
+class InvalidEnvironment(InvalidInput):
+    """An environment map that cannot be read as a picture of all directions."""
+
+
+class InvalidSetting(InvalidInput):
+    """A camera, setting or parameter that is unknown or out of its range."""
+
+
+class Unsupported(InvalidInput):
+    """Correct input that requires something raysvc does not do."""
+
+
+class LimitExceeded(InvalidInput):
+    """Input larger than the configured limits."""
+
+
+class NotFound(RaysvcError):
+    """Nothing has that name."""
+
+
+class Unavailable(RaysvcError):
+    """A part of raysvc that this machine cannot run, and why."""
+
+
+class QueueFull(RaysvcError):
+    """More work is waiting than the queue may hold."""
+
+    retryable = True
+
+    def __init__(self, message: str, retry_after_s: float) -> None:
+        super().__init__(message)
+        self.retry_after_s = retry_after_s
+
+
+class Cancelled(RaysvcError):
+    """The caller asked for the work to stop."""
+
+
+class DeadlineExceeded(RaysvcError):
+    """The work took longer than its deadline."""
+
+    retryable = True

@@ -1,0 +1,1 @@
+"""Mathematics with no scene in it: transforms, rays, the ray-triangle test."""

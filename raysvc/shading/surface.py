@@ -1,0 +1,54 @@
+"""N points of surfaces with everything that light needs to know about them."""
+
+from dataclasses import dataclass, fields
+
+from raysvc.types import Bools, Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """Points with their materials evaluated; world space, linear Rec.709, every array float32 but `unlit`.
+
+    Attributes
+    ----------
+    position
+        (N, 3)
+    geometric_normal
+        (N, 3) unit normal of the triangle, on the viewer's side
+    normal
+        (N, 3) unit shading normal with the normal map applied, on the viewer's side
+    view
+        (N, 3) unit, from the point towards whoever looks (camera, or the origin of a reflected ray)
+    base_colour, alpha
+        (N, 3), (N,)
+    metallic, roughness
+        (N,), (N,) in 0..1; GGX alpha is roughness squared
+    dielectric_f0
+        (N,) reflectance at normal incidence where it is not metal
+    emissive
+        (N, 3) radiance
+    occlusion
+        (N,) 0..1 from the material's occlusion texture, strength applied; for light from the environment only
+    unlit
+        (N,) bool: shows `base_colour` and nothing else
+    """
+
+    position: Floats
+    geometric_normal: Floats
+    normal: Floats
+    view: Floats
+    base_colour: Floats
+    alpha: Floats
+    metallic: Floats
+    roughness: Floats
+    dielectric_f0: Floats
+    emissive: Floats
+    occlusion: Floats
+    unlit: Bools
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    def rows(self, begin: int, end: int) -> "Surface":
+        """Return points begin..end as views, without a copy."""
+        return Surface(**{f.name: getattr(self, f.name)[begin:end] for f in fields(self)})

@@ -1,0 +1,1 @@
+"""Slow twins of fast code, obviously right."""
