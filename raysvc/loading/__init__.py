@@ -1,0 +1,1 @@
+"""Scene and environment files in, checked data out."""
