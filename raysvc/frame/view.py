@@ -1,7 +1,7 @@
 """From what a caller says of the camera to a camera that can be used."""
 
 import math
-from typing import Any
+from typing import Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -64,3 +64,118 @@ def camera_from(view: View, scene: Scene, limits: Limits = DEFAULT_LIMITS) -> Ca
         aperture_radius=_aperture_radius(view),
         focus_distance=_focus_distance(view, pose, scene),
     )
+
+
+def _check_size(view: View, limits: Limits) -> None:
+    for name in ("width", "height"):
+        if getattr(view, name) > limits.max_image_side:
+            raise InvalidSetting(f"must be at most {limits.max_image_side}", field=f"camera.{name}")
+    if view.width * view.height > limits.max_image_pixels:
+        raise InvalidSetting(
+            f"width x height must be at most {limits.max_image_pixels} pixels", field="camera.width"
+        )
+
+
+def _check_alternatives(view: View) -> None:
+    """Refuse to guess which of two ways of saying the same thing was meant."""
+    pose = [n for n in ("gltf_camera", "world_from_camera", "eye") if getattr(view, n) is not None]
+    if len(pose) > 1:
+        raise InvalidSetting(f"cannot be given together with {pose[1]}", field=f"camera.{pose[0]}")
+    for first, second in (
+        ("fov_y_deg", "focal_length_mm"),
+        ("aperture_radius", "f_number"),
+        ("focus_distance", "focus_point"),
+        ("target", "world_from_camera"),
+        ("target", "gltf_camera"),
+    ):
+        if getattr(view, first) is not None and getattr(view, second) is not None:
+            raise InvalidSetting(f"cannot be given together with {second}", field=f"camera.{first}")
+    if view.f_number is not None and view.focal_length_mm is None:
+        raise InvalidSetting("needs focal_length_mm", field="camera.f_number")
+
+
+def _scene_camera(wanted: int | str, scene: Scene) -> SceneCamera:
+    if isinstance(wanted, int):
+        if 0 <= wanted < len(scene.cameras):
+            return scene.cameras[wanted]
+        raise InvalidSetting(
+            f"the scene has {len(scene.cameras)} cameras", field="camera.gltf_camera"
+        )
+    for camera in scene.cameras:
+        if camera.name == wanted:
+            return camera
+    names = ", ".join(repr(c.name) for c in scene.cameras[:20]) or "none"
+    raise InvalidSetting(
+        f"no camera {wanted!r} in the scene; it has {names}", field="camera.gltf_camera"
+    )
+
+
+def _projection(
+    view: View, camera: SceneCamera | None
+) -> tuple[Literal["perspective", "orthographic"], float]:
+    """Kind of projection, and tangent of half the field of view or half the height in metres."""
+    if view.focal_length_mm is not None:
+        return "perspective", 0.5 * view.sensor_height_mm / view.focal_length_mm
+    if view.fov_y_deg is not None:
+        return "perspective", math.tan(math.radians(view.fov_y_deg) / 2)
+    if camera is not None and camera.height_m is not None:
+        return "orthographic", camera.height_m / 2
+    fov_y_deg = DEFAULT_FOV_Y_DEG
+    if camera is not None and camera.fov_y_deg is not None:
+        fov_y_deg = camera.fov_y_deg
+    return "perspective", math.tan(math.radians(fov_y_deg) / 2)
+
+
+def _pose(view: View, scene: Scene, tan_half_fov_y: float) -> Doubles:
+    if view.world_from_camera is not None:
+        return _rigid(np.array(view.world_from_camera, np.float64))
+    up = np.array(view.up, np.float64)
+    if not np.linalg.norm(up) > 1e-12:
+        raise InvalidSetting("must not be the zero vector", field="camera.up")
+    bounds = scene.bounds()
+    target = np.array(view.target, np.float64) if view.target is not None else bounds.mean(axis=0)
+    if view.eye is not None:
+        eye = np.array(view.eye, np.float64)
+        if np.linalg.norm(eye - target) < 1e-12 * max(1.0, float(np.abs(eye).max())):
+            raise InvalidSetting("must not be where the target is", field="camera.eye")
+        return look_at(eye, target, up)
+    away = np.array(DEFAULT_VIEW) / np.linalg.norm(DEFAULT_VIEW)
+    corners = np.stack(np.meshgrid(*bounds.T, indexing="ij"), axis=-1).reshape(8, 3)
+    tangents = (tan_half_fov_y * view.width / view.height, tan_half_fov_y)
+    pose = look_at(target + away, target, up)
+    pose[:3, 3] = target
+    distance = max(framed_distance(corners, pose, tangents, margin=1.08), 1e-6)
+    pose[:3, 3] = target + away * distance
+    return pose
+
+
+def _rigid(matrix: Doubles) -> Doubles:
+    """Check a caller's pose: rotation and translation only."""
+    axes = matrix[:3, :3]
+    if not np.allclose(axes.T @ axes, np.eye(3), atol=1e-3) or np.linalg.det(axes) < 0:
+        raise InvalidSetting(
+            "must have perpendicular unit axes, right-handed", field="camera.world_from_camera"
+        )
+    if not np.allclose(matrix[3], [0, 0, 0, 1], atol=1e-9):
+        raise InvalidSetting("must have 0 0 0 1 as its last row", field="camera.world_from_camera")
+    return matrix
+
+
+def _aperture_radius(view: View) -> float:
+    if view.f_number is not None and view.focal_length_mm is not None:
+        return 0.5e-3 * view.focal_length_mm / view.f_number
+    return view.aperture_radius or 0.0
+
+
+def _focus_distance(view: View, pose: Doubles, scene: Scene) -> float:
+    """Distance along the view axis that is sharp: as asked, else that of the target or of the bounds' middle."""
+    if view.focus_distance is not None:
+        return view.focus_distance
+    point = view.focus_point or view.target
+    sharp = np.array(point) if point is not None else scene.bounds().mean(axis=0)
+    distance = float((sharp - pose[:3, 3]) @ -pose[:3, 2])
+    if distance > 0:
+        return distance
+    if point is not None and view.focus_point is not None:
+        raise InvalidSetting("must be in front of the camera", field="camera.focus_point")
+    return 1.0

@@ -1,0 +1,100 @@
+"""The whole contract of an acceleration structure, on one page."""
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from raysvc.errors import InvalidInput
+from raysvc.geometry.triangle_kernels import hits_on_triangles
+from raysvc.types import Bools, Floats, Ints
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Triangles:
+    """F triangles over V vertices: positions (V, 3) float32, indices (F, 3) int32, all in range."""
+
+    positions: Floats
+    indices: Ints
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rays:
+    """R rays from `origins` along `directions`, up to `t_max` in units of |direction|.
+
+    origins (R, 3), directions (R, 3), t_max (R,), all float32 and C-contiguous. A ray starts at t = 0: the
+    caller moves origins off the surface that they lie on.
+    """
+
+    origins: Floats
+    directions: Floats
+    t_max: Floats
+
+    def __post_init__(self) -> None:
+        count = len(self.origins)
+        for name, shape in (("origins", (count, 3)), ("directions", (count, 3)), ("t_max", (count,))):
+            array = getattr(self, name)
+            if array.shape != shape or array.dtype != np.float32 or not array.flags.c_contiguous:
+                raise InvalidInput(f"must be contiguous float32 of shape {shape}", field=name)
+
+    def __len__(self) -> int:
+        return len(self.origins)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hits:
+    """Nearest hits of R rays; a miss is t = inf, triangle = -1, barycentric = 0.
+
+    t (R,) float32 in units of |direction|; triangle (R,) int32; barycentric (R, 2) float32, the weights of
+    vertices 1 and 2.
+    """
+
+    t: Floats
+    triangle: Ints
+    barycentric: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class BuildReport:
+    """What building cost; a number that cannot be seen from outside is None."""
+
+    triangles: int
+    seconds: float
+    nodes: int | None = None
+    tree_mib: float | None = None
+
+
+class Accelerator(Protocol):
+    """Answers two questions about one immutable set of triangles. Both may be asked from many threads."""
+
+    report: BuildReport
+
+    def nearest_triangle(self, rays: Rays) -> Ints:
+        """(R,) int32: the first triangle along each ray within 0..t_max, or -1."""
+
+    def occluded(self, rays: Rays) -> Bools:
+        """(R,) bool: is there any triangle along the ray within 0..t_max?"""
+
+
+class Builder(Protocol):
+    """Makes a structure of one kind with the parameters of that kind."""
+
+    def __call__(self, triangles: Triangles, params: Any) -> Accelerator:
+        """Build; `params` is an instance of the registry entry's parameter class."""
+
+
+def nearest(structure: Accelerator, triangles: Triangles, rays: Rays) -> Hits:
+    """Nearest hits, with t and barycentrics computed from the triangle and not by the structure."""
+    triangle = structure.nearest_triangle(rays)
+    t = np.empty(len(rays), np.float32)
+    barycentric = np.empty((len(rays), 2), np.float32)
+    hits_on_triangles(
+        rays.origins,
+        rays.directions,
+        triangles.positions,
+        triangles.indices,
+        triangle,
+        t,
+        barycentric,
+    )
+    return Hits(t, triangle, barycentric)
