@@ -8,6 +8,8 @@
       |   - Unsupported         correct, and required, but not something that raysvc can do
       |   - LimitExceeded       larger than the limits allow
       + NotFound                no such scene, environment, render
+      + NotFinished             there will be a picture, but not yet
+      + Gone                    there was a picture, and it is no longer kept
       + Unavailable             a part of raysvc that this machine cannot run
       + QueueFull               try again later
       + Cancelled               the caller asked to stop
@@ -55,6 +57,14 @@ class LimitExceeded(InvalidInput):
 
 class NotFound(RaysvcError):
     """Nothing has that name."""
+
+
+class NotFinished(RaysvcError):
+    """The job has no picture: it is waiting or running (then retry), or it ended without one."""
+
+
+class Gone(RaysvcError):
+    """The picture made room for newer ones; the same request makes it again."""
 
 
 class Unavailable(RaysvcError):
