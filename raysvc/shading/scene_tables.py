@@ -1,0 +1,126 @@
+"""A scene as shading reads it: geometry, materials and textures as tables, and surfaces made from them."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from raysvc.scene import Scene
+from raysvc.shading.material_table import MaterialTable, material_table
+from raysvc.shading.surface import Surface
+from raysvc.shading.surface_kernels import Geometry, alphas, evaluate
+from raysvc.shading.texture_kernels import BILINEAR, MIP, NEAREST, TextureTable
+from raysvc.shading.texture_table import texture_table
+from raysvc.types import Bools, Floats, Ints
+
+TEXTURE_FILTERS: Final = {"nearest": NEAREST, "bilinear": BILINEAR, "mip": MIP}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SceneTables:
+    """Everything that shading needs of a scene; made once, read by many threads."""
+
+    geometry: Geometry
+    materials: MaterialTable
+    textures: TextureTable
+    solid: Bools
+    """(F,) bool: triangles without holes, that is whose material is opaque."""
+    double_sided: Bools
+    """(F,) bool: seen from both sides."""
+    blended: Bools
+    """(F,) bool: of a material that is blended with what is behind it."""
+
+    @classmethod
+    def of(cls, scene: Scene) -> "SceneTables":
+        """Build the tables of a scene."""
+        modes = np.array([m.alpha_mode for m in scene.materials] or ["opaque"])
+        double = np.array([m.double_sided for m in scene.materials] or [True])
+        material = scene.material_of_triangle
+        return cls(
+            Geometry(
+                scene.positions,
+                scene.normals,
+                scene.tangents,
+                scene.uv,
+                scene.colours,
+                scene.triangles,
+                material,
+            ),
+            material_table(scene.materials),
+            texture_table(scene),
+            (modes == "opaque")[material],
+            double[material],
+            (modes == "blend")[material],
+        )
+
+    def alpha(self, triangle: Ints, barycentric: Floats) -> Floats:
+        """(N,) float32 coverage of points, 0 where triangle is -1; masks are 0 or 1."""
+        alpha = np.empty(len(triangle), np.float32)
+        alphas(self.geometry, self.materials, self.textures, triangle, barycentric, alpha)
+        return alpha
+
+    def surface(
+        self,
+        triangle: Ints,
+        barycentric: Floats,
+        directions: Floats,
+        footprint: Floats,
+        texture_filter: str,
+    ) -> Surface:
+        """Evaluate N points.
+
+        Parameters
+        ----------
+        triangle
+            (N,) int32, all >= 0
+        barycentric
+            (N, 2) weights of vertices 1 and 2
+        directions
+            (N, 3) unit directions of the rays that arrived
+        footprint
+            (N,) metres, width across the ray of what one pixel sees
+        texture_filter
+            a key of TEXTURE_FILTERS
+        """
+        count = len(triangle)
+        vectors = [np.empty((count, 3), np.float32) for _ in range(6)]
+        scalars = [np.empty(count, np.float32) for _ in range(5)]
+        position, geometric_normal, normal, view, base_colour, emissive = vectors
+        alpha, metallic, roughness, dielectric_f0, occlusion = scalars
+        unlit = np.empty(count, np.bool_)
+        evaluate(
+            self.geometry,
+            self.materials,
+            self.textures,
+            triangle,
+            barycentric,
+            directions,
+            footprint,
+            TEXTURE_FILTERS[texture_filter],
+            position,
+            geometric_normal,
+            normal,
+            view,
+            base_colour,
+            alpha,
+            metallic,
+            roughness,
+            dielectric_f0,
+            emissive,
+            occlusion,
+            unlit,
+        )
+        return Surface(
+            position,
+            geometric_normal,
+            normal,
+            view,
+            base_colour,
+            alpha,
+            metallic,
+            roughness,
+            dielectric_f0,
+            emissive,
+            occlusion,
+            unlit,
+        )
