@@ -1,0 +1,36 @@
+"""What to render next: jobs, the queue they wait in, the worker that takes them, the stores they read.
+
+    RenderService   everything below, wired together; what `api` talks to
+      ContentStore    scenes and environments, on disk under the SHA-256 of their content, parsed in memory
+      JobQueue        a bounded line of jobs
+      Worker          one thread, one job at a time
+      Results         finished pictures, the least recently used ones make room
+
+Nothing here has heard of HTTP.
+"""
+
+from raysvc.jobs.model import Job, JobState, RenderRequest
+from raysvc.jobs.queue import JobQueue
+from raysvc.jobs.renderer import PatternRenderer, Picture, Renderer, SceneRenderer
+from raysvc.jobs.results import Results
+from raysvc.jobs.service import RenderService, ServiceOptions
+from raysvc.jobs.store import ContentStore, Record, Upload
+from raysvc.jobs.worker import Worker
+
+__all__ = [
+    "ContentStore",
+    "Job",
+    "JobQueue",
+    "JobState",
+    "PatternRenderer",
+    "Picture",
+    "Record",
+    "RenderRequest",
+    "RenderService",
+    "Renderer",
+    "Results",
+    "SceneRenderer",
+    "ServiceOptions",
+    "Upload",
+    "Worker",
+]

@@ -1,0 +1,82 @@
+"""The line in which jobs wait: bounded, and refusing at once when it is full."""
+
+import threading
+from collections import deque
+
+from raysvc.errors import QueueFull
+from raysvc.jobs.model import Job, JobState
+
+SHORTEST_RETRY_S = 1.0
+LONGEST_RETRY_S = 600.0
+
+
+class JobQueue:
+    """First come, first served. Safe to use from many threads.
+
+    Parameters
+    ----------
+    size
+        how many jobs may wait; the one that runs does not count
+    """
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self._waiting: deque[Job] = deque()
+        self._changed = threading.Condition()
+        self._closed = False
+        self._mean_seconds = SHORTEST_RETRY_S
+
+    def __len__(self) -> int:
+        with self._changed:
+            return len(self._waiting)
+
+    def put(self, job: Job) -> None:
+        """Join the line. Raises QueueFull, which says when to try again."""
+        with self._changed:
+            self._forget_cancelled()
+            if self._closed:
+                raise QueueFull("the service is shutting down", retry_after_s=SHORTEST_RETRY_S)
+            if len(self._waiting) >= self._size:
+                raise QueueFull(
+                    f"{len(self._waiting)} renders are waiting already", self._retry_after_s()
+                )
+            self._waiting.append(job)
+            self._changed.notify()
+
+    def take(self) -> Job | None:
+        """Leave the line; waits until there is a job, and is None once the queue is closed."""
+        with self._changed:
+            while True:
+                self._forget_cancelled()
+                if self._waiting and not self._closed:
+                    return self._waiting.popleft()
+                if self._closed:
+                    return None
+                self._changed.wait()
+
+    def position(self, job: Job) -> int | None:
+        """How many jobs are before this one, or None if it is not waiting."""
+        with self._changed:
+            self._forget_cancelled()
+            return self._waiting.index(job) if job in self._waiting else None
+
+    def took(self, seconds: float) -> None:
+        """Learn how long a job ran, for the advice that goes with QueueFull."""
+        with self._changed:
+            self._mean_seconds += 0.3 * (seconds - self._mean_seconds)
+
+    def close(self) -> list[Job]:
+        """Let nobody in or out any more; returns the jobs that were still waiting."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+            left = list(self._waiting)
+            self._waiting.clear()
+            return left
+
+    def _forget_cancelled(self) -> None:
+        self._waiting = deque(job for job in self._waiting if job.state is JobState.QUEUED)
+
+    def _retry_after_s(self) -> float:
+        expected = self._mean_seconds * len(self._waiting)
+        return min(max(expected, SHORTEST_RETRY_S), LONGEST_RETRY_S)

@@ -1,0 +1,141 @@
+"""Stores, queue, worker and results, wired together: the service without its protocol."""
+
+import secrets
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from raysvc.errors import Gone, NotFinished, NotFound
+from raysvc.frame.view import camera_from
+from raysvc.jobs.kinds import environment_kind, scene_kind
+from raysvc.jobs.model import Job, JobState, RenderRequest
+from raysvc.jobs.queue import JobQueue
+from raysvc.jobs.renderer import Picture, Renderer
+from raysvc.jobs.results import Results
+from raysvc.jobs.store import ContentStore
+from raysvc.jobs.worker import Worker
+from raysvc.limits import DEFAULT_LIMITS, Limits
+from raysvc.scene import Environment, Scene
+
+MakeRenderer = Callable[[ContentStore[Scene], ContentStore[Environment]], Renderer]
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceOptions:
+    """What a service may use."""
+
+    data_dir: Path
+    """Where scenes and environments are kept; made if need be, owned by one process."""
+    queue_size: int = 16
+    """How many renders may wait."""
+    kept_jobs: int = 1_000
+    """How many jobs are remembered."""
+    deadline_s: float | None = 600.0
+    """For renders that do not set their own."""
+    scene_memory_bytes: int = 1 << 30
+    """Parsed scenes that are kept in memory."""
+    environment_memory_bytes: int = 512 << 20
+    """Parsed environments that are kept in memory."""
+    result_memory_bytes: int = 512 << 20
+    """Finished pictures that are kept in memory."""
+    limits: Limits = DEFAULT_LIMITS
+
+
+class RenderService:
+    """Takes requests in, hands pictures out; `close` when done."""
+
+    def __init__(self, options: ServiceOptions, make_renderer: MakeRenderer) -> None:
+        self.limits = options.limits
+        self.scenes = ContentStore(
+            options.data_dir / "scenes", scene_kind(options.limits), options.scene_memory_bytes
+        )
+        self.environments = ContentStore(
+            options.data_dir / "environments",
+            environment_kind(options.limits),
+            options.environment_memory_bytes,
+        )
+        self._results = Results(options.result_memory_bytes)
+        self._queue = JobQueue(options.queue_size)
+        renderer = make_renderer(self.scenes, self.environments)
+        self._worker = Worker(self._queue, renderer, self._results, options.deadline_s)
+        self._kept_jobs = options.kept_jobs
+        self._jobs: OrderedDict[str, Job] = OrderedDict()
+        self._lock = threading.Lock()
+        self._draining = False
+
+    def start(self) -> None:
+        """Begin to warm up and to render."""
+        self._worker.start()
+
+    @property
+    def not_ready(self) -> str | None:
+        """Why work had better go elsewhere, or None."""
+        if self._draining:
+            return "draining"
+        return None if self._worker.warm.is_set() else "warming up"
+
+    def submit(self, request: RenderRequest) -> Job:
+        """Accept a render after checking it against its scene; one that is held is done at once.
+
+        Raises InvalidInput, NotFound, QueueFull.
+        """
+        camera_from(request.camera, self.scenes.get(request.scene), self.limits)
+        if request.environment is not None:
+            self.environments.record(request.environment)
+        job = Job(secrets.token_hex(16), request)
+        held = self._results.get(request.name)
+        if held is not None:
+            job.finish(held.statistics.to_dict())
+        else:
+            self._queue.put(job)
+        self._remember(job)
+        return job
+
+    def job(self, id: str) -> Job:
+        """Return a job. Raises NotFound."""
+        with self._lock:
+            try:
+                return self._jobs[id]
+            except KeyError:
+                raise NotFound(f"no render {id[:64]!r}", field="render") from None
+
+    def position(self, job: Job) -> int | None:
+        """How many jobs will run before this one, or None if it does not wait."""
+        return self._queue.position(job)
+
+    def picture(self, job: Job) -> Picture:
+        """Return a finished job's picture. Raises NotFinished, Gone, or what made the job fail."""
+        if job.error is not None:
+            raise job.error
+        if job.state is not JobState.DONE:
+            raise NotFinished(f"the render is {job.state}", field="render")
+        picture = self._results.get(job.request.name)
+        if picture is None:
+            raise Gone("the picture made room for newer ones; ask for the render again", "render")
+        return picture
+
+    def drain(self) -> None:
+        """Take no more work; what waits is cancelled, what runs goes on."""
+        self._draining = True
+        for job in self._queue.close():
+            job.cancel()
+
+    def close(self, grace_s: float) -> None:
+        """Drain, give the running job some time, then cancel it."""
+        self.drain()
+        if not self._worker.join(grace_s):
+            with self._lock:
+                unfinished = [job for job in self._jobs.values() if not job.finished.done()]
+            for job in unfinished:
+                job.cancel()
+            self._worker.join(grace_s)
+
+    def _remember(self, job: Job) -> None:
+        with self._lock:
+            self._jobs[job.id] = job
+            surplus = len(self._jobs) - self._kept_jobs
+            finished = [id for id, known in self._jobs.items() if known.finished.done()]
+            for id in finished[: max(surplus, 0)]:
+                del self._jobs[id]

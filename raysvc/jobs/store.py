@@ -1,0 +1,185 @@
+"""Scenes and environments, named by the SHA-256 of their content.
+
+    FOLDER/ID/record.json     what the thing is called, its files, what is said of it
+    FOLDER/ID/0, 1, ...       the files as they were sent
+    FOLDER/incoming/...       what is being written; a rename makes it visible, whole
+
+Only numbers become file names, whatever names a caller sends. The parsed things are kept in memory while
+there is room. One process owns a folder.
+"""
+
+import hashlib
+import json
+import logging
+import secrets
+import shutil
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final, Generic, TypeVar
+
+from raysvc.errors import NotFound
+from raysvc.jobs.lru import LeastRecentlyUsed
+from raysvc.loading.files import Files
+from raysvc.version import VERSION
+
+logger = logging.getLogger(__name__)
+
+Thing = TypeVar("Thing")
+
+BUILTIN: Final = "builtin:"
+ID_DIGITS: Final = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Upload:
+    """Files as a caller sent them; `main` says which one is the scene where several could be."""
+
+    files: Mapping[str, bytes]
+    main: str | None = None
+
+    @property
+    def id(self) -> str:
+        """SHA-256 in hex of the sorted names with their contents."""
+        digest = hashlib.sha256((self.main or "").encode() + b"\0")
+        for name, data in sorted(self.files.items()):
+            digest.update(f"{name}\0{len(data)}\0".encode())
+            digest.update(data)
+        return digest.hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """What is kept about a thing, beside its files."""
+
+    id: str
+    created_s: float
+    summary: dict[str, Any]
+    builtin: str | None = None
+    """Name of the built-in thing; it then has no files."""
+    main: str | None = None
+    files: tuple[str, ...] = ()
+    """Names of the files 0, 1, ..."""
+    version: str = VERSION
+
+
+@dataclass(frozen=True, slots=True)
+class Kind(Generic[Thing]):
+    """What a store must know about the things in it."""
+
+    name: str
+    load: Callable[[str | Files], Thing]
+    """From `builtin:NAME` or files; raises InvalidInput."""
+    open: Callable[[Upload], Files]
+    """Checks names, sizes and numbers of files; raises InvalidInput."""
+    summarise: Callable[[Thing], dict[str, Any]]
+    weigh: Callable[[Thing], int]
+    """Bytes in memory."""
+
+
+class ContentStore(Generic[Thing]):
+    """Immutable things by name. Adding the same content twice is one thing."""
+
+    def __init__(self, folder: Path, kind: Kind[Thing], memory_bytes: int) -> None:
+        self._folder = folder
+        self._kind = kind
+        self._parsed: LeastRecentlyUsed[Thing] = LeastRecentlyUsed(memory_bytes, kind.weigh)
+        shutil.rmtree(folder / "incoming", ignore_errors=True)
+        (folder / "incoming").mkdir(parents=True)
+        found = [_read_record(path) for path in folder.iterdir() if len(path.name) == ID_DIGITS]
+        self._records = {record.id: record for record in found if record is not None}
+
+    def add(self, upload: Upload) -> tuple[Record, bool]:
+        """Parse and keep; returns the record and whether it is new. Nothing is kept of bad input."""
+        id = upload.id
+        known = self._records.get(id)
+        if known is not None:
+            return known, False
+        thing = self._kind.load(self._kind.open(upload))
+        record = Record(
+            id, time.time(), self._kind.summarise(thing), None, upload.main, tuple(upload.files)
+        )
+        return self._keep(record, thing, list(upload.files.values()))
+
+    def add_builtin(self, name: str) -> tuple[Record, bool]:
+        """Keep the built-in thing of that name, without `builtin:`."""
+        id = hashlib.sha256(f"{BUILTIN}{name}\0{VERSION}".encode()).hexdigest()
+        known = self._records.get(id)
+        if known is not None:
+            return known, False
+        thing = self._kind.load(BUILTIN + name)
+        record = Record(id, time.time(), self._kind.summarise(thing), builtin=name)
+        return self._keep(record, thing, [])
+
+    def record(self, id: str) -> Record:
+        """Return what is known about a thing. Raises NotFound."""
+        try:
+            return self._records[id]
+        except KeyError:
+            raise NotFound(f"no {self._kind.name} {id[:ID_DIGITS]!r}", self._kind.name) from None
+
+    def records(self) -> list[Record]:
+        """All that is kept, newest first."""
+        return sorted(self._records.values(), key=lambda r: (-r.created_s, r.id))
+
+    def get(self, id: str) -> Thing:
+        """Return the thing itself, parsed again if it had to make room. Raises NotFound."""
+        record = self.record(id)
+        thing = self._parsed.get(id)
+        if thing is None:
+            thing = self._kind.load(self._source(record))
+            self._parsed.put(id, thing)
+        return thing
+
+    def delete(self, id: str) -> None:
+        """Forget a thing and its files. Raises NotFound."""
+        self.record(id)
+        self._records.pop(id, None)
+        self._parsed.drop(id)
+        grave = self._folder / "incoming" / secrets.token_hex(16)
+        (self._folder / id).rename(grave)
+        shutil.rmtree(grave, ignore_errors=True)
+
+    def _source(self, record: Record) -> str | Files:
+        if record.builtin is not None:
+            return BUILTIN + record.builtin
+        folder = self._folder / record.id
+        try:
+            files = {name: (folder / str(n)).read_bytes() for n, name in enumerate(record.files)}
+        except FileNotFoundError:
+            raise NotFound(f"the {self._kind.name} was deleted", self._kind.name) from None
+        return self._kind.open(Upload(files, record.main))
+
+    def _keep(self, record: Record, thing: Thing, files: list[bytes]) -> tuple[Record, bool]:
+        draft = self._folder / "incoming" / secrets.token_hex(16)
+        draft.mkdir()
+        try:
+            for number, data in enumerate(files):
+                (draft / str(number)).write_bytes(data)
+            (draft / "record.json").write_text(json.dumps(asdict(record)), encoding="utf-8")
+            draft.rename(self._folder / record.id)
+        except FileExistsError:
+            return self._records.setdefault(record.id, record), False
+        except OSError as error:
+            # Renaming onto a folder that is not empty: another thread has kept the same content.
+            if not (self._folder / record.id / "record.json").is_file():
+                raise error from None
+            return self._records.setdefault(record.id, record), False
+        finally:
+            shutil.rmtree(draft, ignore_errors=True)
+        self._records[record.id] = record
+        self._parsed.put(record.id, thing)
+        return record, True
+
+
+def _read_record(folder: Path) -> Record | None:
+    """Read what an earlier process kept; skip what is damaged or a built-in thing of another version."""
+    try:
+        values = json.loads((folder / "record.json").read_text(encoding="utf-8"))
+        record = Record(**{**values, "files": tuple(values["files"])})
+    except (OSError, ValueError, TypeError, KeyError):
+        logger.warning("skipping the damaged entry %s", folder)
+        return None
+    stale = record.builtin is not None and record.version != VERSION
+    return None if stale or record.id != folder.name else record
