@@ -1,0 +1,1 @@
+"""Pictures as arrays: summed-area tables, tone mapping, encoding to files."""

@@ -1,0 +1,64 @@
+"""Pictures to files in memory: PNG (8 and 16 bits), JPEG, WebP.
+
+The same array gives the same bytes: no format gets a date, a host name or the name of the software.
+"""
+
+import io
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO
+from PIL import Image
+
+from raysvc.errors import RaysvcError
+from raysvc.imaging.tone_map import Words
+from raysvc.types import Bytes
+
+JPEG_QUALITY = 92
+WEBP_QUALITY = 90
+
+
+def encode_png(picture: Bytes) -> bytes:
+    """PNG of (H, W, 3|4) uint8 sRGB; alpha is straight."""
+    out = io.BytesIO()
+    Image.fromarray(picture).save(out, "PNG")
+    return out.getvalue()
+
+
+def encode_png16(picture: Words) -> bytes:
+    """PNG with 16 bits per channel of (H, W, 3|4) uint16 sRGB; alpha is straight.
+
+    Pillow has no 16-bit colour and OpenImageIO's Python binding writes to files only,
+    hence the folder.
+    """
+    height, width, channels = picture.shape
+    spec = OpenImageIO.ImageSpec(width, height, channels, OpenImageIO.UINT16)
+    spec.attribute("oiio:ColorSpace", "sRGB")
+    spec.attribute("oiio:UnassociatedAlpha", 1)
+    with tempfile.TemporaryDirectory(prefix="raysvc-png16-") as folder:
+        path = Path(folder, "picture.png")
+        writer = OpenImageIO.ImageOutput.create(str(path))
+        if writer is None or not writer.open(str(path), spec):
+            raise RaysvcError(f"cannot write a 16-bit PNG: {OpenImageIO.geterror()}")
+        written = writer.write_image(np.ascontiguousarray(picture))
+        if not (writer.close() and written):
+            raise RaysvcError(f"cannot write a 16-bit PNG: {writer.geterror()}")
+        return path.read_bytes()
+
+
+def encode_jpeg(picture: Bytes, quality: int = JPEG_QUALITY) -> bytes:
+    """JPEG of (H, W, 3|4) uint8 sRGB, chroma not subsampled; what is transparent is black."""
+    if picture.shape[2] == 4:
+        weighted = picture[..., :3].astype(np.uint16) * picture[..., 3:] + 127
+        picture = (weighted // 255).astype(np.uint8)
+    out = io.BytesIO()
+    Image.fromarray(picture).save(out, "JPEG", quality=quality, subsampling=0)
+    return out.getvalue()
+
+
+def encode_webp(picture: Bytes, quality: int = WEBP_QUALITY) -> bytes:
+    """WebP, lossy, of (H, W, 3|4) uint8 sRGB; alpha is straight and kept exactly."""
+    out = io.BytesIO()
+    Image.fromarray(picture).save(out, "WEBP", quality=quality)
+    return out.getvalue()
