@@ -128,7 +128,8 @@ def transformed(colour: Floats, matrix: Floats) -> Floats:
     Written out because a BLAS may sum differently by the number of rows, and bytes would follow.
     """
     r, g, b = colour
-    return np.stack([row[0] * r + row[1] * g + row[2] * b for row in matrix])
+    rows: Floats = np.stack([row[0] * r + row[1] * g + row[2] * b for row in matrix])
+    return rows
 
 
 def clipped(colour: Floats) -> Floats:
