@@ -1,0 +1,72 @@
+"""The application: what is wired to what."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import anyio
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+from starlette.staticfiles import StaticFiles
+
+from api import problems
+from api.body_limit import BodyLimit
+from api.context import Context
+from api.routes import environments, health, one_shot, pages, renders, scenes, structures
+from api.schemas import RenderBody
+from api.settings import ApiSettings
+from raysvc.jobs import RenderService
+from raysvc.jobs.service import MakeRenderer
+from raysvc.jobs.scene_renderer import SceneRenderer
+from raysvc.version import VERSION
+
+FORM_OVERHEAD_BYTES = 1 << 20
+"""What boundaries, headers and fields of a form may add to its files."""
+
+
+def create_app(
+    settings: ApiSettings | None = None, make_renderer: MakeRenderer = SceneRenderer
+) -> FastAPI:
+    """Build the application; settings come from the environment by default.
+
+    The service starts and stops with the application's lifespan.
+    """
+    settings = settings or ApiSettings()
+    service = RenderService(settings.service_options(), make_renderer)
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        service.start()
+        yield
+        await anyio.to_thread.run_sync(service.close, settings.grace_s)
+
+    app = FastAPI(
+        title="raysvc",
+        summary="A 3D scene and a camera in, a picture out, on a CPU",
+        version=VERSION,
+        lifespan=lifespan,
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+    )
+    app.state.context = Context(settings, service, anyio.CapacityLimiter(settings.heavy_threads))
+    app.add_middleware(BodyLimit, max_bytes=settings.max_upload_bytes + FORM_OVERHEAD_BYTES)
+    problems.install(app)
+    for routes in (scenes, environments, renders, one_shot, structures, health, pages):
+        app.include_router(routes.router)
+    app.mount("/docs/assets", StaticFiles(directory=pages.ASSETS), name="docs-assets")
+    app.openapi = lambda: _openapi(app)  # type: ignore[method-assign]
+    return app
+
+
+def _openapi(app: FastAPI) -> dict[str, Any]:
+    """The schema, with the bodies that the routes read themselves."""
+    if app.openapi_schema is None:
+        schema = get_openapi(
+            title=app.title, version=app.version, summary=app.summary, routes=app.routes
+        )
+        body = RenderBody.model_json_schema(ref_template="#/components/schemas/{model}")
+        parts = body.pop("$defs")
+        schema["components"]["schemas"] |= {"RenderBody": body, **parts}
+        app.openapi_schema = schema
+    return app.openapi_schema

@@ -1,0 +1,85 @@
+"""Waiting for a job, and presenting its picture."""
+
+import asyncio
+import json
+import time
+from typing import Any, Final, Literal
+
+from fastapi import Request, Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from api.context import Context
+from api.negotiation import MEDIA_TYPES, format_for, matches
+from raysvc.errors import InvalidSetting
+from raysvc.jobs import Job
+
+LONGEST_HEADER: Final = 4_000
+LISTENING_S: Final = 0.25
+"""How often a waiting request looks whether its client is still there."""
+
+
+class ImageQuery(BaseModel):
+    """Which form of a picture."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    layer: str | None = Field(
+        None,
+        max_length=64,
+        description="Such as `beauty`, `depth`, `normal`, `albedo`, `id`; by default `beauty`, "
+        "and all of them in `exr` and `npz`.",
+    )
+    format: Literal["png", "png16", "jpg", "webp", "exr", "npz"] | None = Field(
+        None, description="By default what `Accept` asks for, else `png`."
+    )
+
+
+async def wait_for(job: Job, seconds: float, request: Request) -> bool:
+    """Wait until a job has finished; False when the time is over or the client has gone away."""
+    finished = asyncio.wrap_future(job.finished)
+    end = time.monotonic() + seconds
+    while not finished.done():
+        left = end - time.monotonic()
+        if left <= 0 or await request.is_disconnected():
+            return False
+        await asyncio.wait({finished}, timeout=min(left, LISTENING_S))
+    return True
+
+
+async def image_response(
+    job: Job, query: ImageQuery, request: Request, context: Context
+) -> Response:
+    """Answer with a job's picture, or with 304 where the client holds it already.
+
+    Raises NotFinished, Gone, NotAcceptable, InvalidSetting, or what made the job fail.
+    """
+    format = query.format or format_for(request.headers.get("accept"))
+    etag = f'"{job.request.name[:32]}-{format}-{query.layer or "all"}"'
+    headers = {"ETag": etag, "Vary": "Accept", "Cache-Control": "private, max-age=86400"}
+    if job.statistics is not None and matches(request.headers.get("if-none-match"), etag):
+        return Response(status_code=304, headers=headers)
+    picture = context.service.picture(job)
+    if query.layer is not None and query.layer not in picture.layers:
+        raise InvalidSetting(f"there is {', '.join(picture.layers)}", field="layer")
+    data = await context.heavy(lambda: picture.encode(format, query.layer))
+    return Response(data, media_type=MEDIA_TYPES[format], headers=headers)
+
+
+def statistics_headers(job: Job) -> dict[str, str]:
+    """Timings for people and tools at hand, and where the rest is."""
+    statistics: dict[str, Any] = dict(job.statistics or {})
+    timings = [
+        f"{stage['name'].replace(' ', '_')};dur={1000 * stage['seconds']:.1f}"
+        for stage in statistics.get("stages", [])
+    ]
+    warnings = statistics.pop("warnings", [])
+    statistics["warnings"] = len(warnings)
+    text = json.dumps(statistics, separators=(",", ":"))
+    headers = {
+        "Link": f'</v1/renders/{job.id}>; rel="describedby"',
+        "Server-Timing": ", ".join(timings)[:LONGEST_HEADER],
+    }
+    if len(text) <= LONGEST_HEADER:
+        headers["X-Raysvc-Statistics"] = text
+    return headers
+

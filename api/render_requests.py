@@ -1,0 +1,53 @@
+"""From the body of a render to a job."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from api.schemas import RenderBody
+from raysvc.errors import InvalidSetting
+from raysvc.frame.settings import checked, settings_from
+from raysvc.frame.view import View
+from raysvc.jobs import ContentStore, Job, RenderRequest, RenderService
+
+BUILTIN = "builtin:"
+
+
+def submit(service: RenderService, body: Mapping[str, Any]) -> Job:
+    """Check every part of a body and queue it. Raises InvalidSetting, NotFound, QueueFull. Blocks."""
+    for key in body:
+        if key not in RenderBody.model_fields:
+            raise InvalidSetting("unknown key", field=key)
+    if "scene" not in body:
+        raise InvalidSetting("is missing", field="scene")
+    settings = settings_from(_mapping(body, "settings"))
+    camera = checked(View, _mapping(body, "camera"), "camera")
+    environment = body.get("environment")
+    request = RenderRequest(
+        scene=_stored(body["scene"], "scene", service.scenes),
+        environment=(
+            None
+            if environment is None
+            else _stored(environment, "environment", service.environments)
+        ),
+        camera=camera,
+        settings=settings,
+    )
+    return service.submit(request)
+
+
+def _mapping(body: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    value = body.get(key)
+    if value is None:
+        return {}
+    if not isinstance(value, dict):
+        raise InvalidSetting("must be an object", field=key)
+    return value
+
+
+def _stored(name: Any, field: str, store: ContentStore[Any]) -> str:
+    """Return the id of what is called `builtin:NAME` or by its id."""
+    if not isinstance(name, str):
+        raise InvalidSetting("must be an id or builtin:NAME", field=field)
+    if name.startswith(BUILTIN):
+        return store.add_builtin(name.removeprefix(BUILTIN))[0].id
+    return store.record(name).id

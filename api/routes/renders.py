@@ -1,0 +1,79 @@
+"""Renders: asked for, watched, cancelled, looked at."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, Response
+
+from api.context import ContextDep
+from api.json_bodies import read_json_object
+from api.negotiation import MEDIA_TYPES, wait_seconds
+from api.pictures import ImageQuery, image_response, wait_for
+from api.render_requests import submit
+from api.responses import SafeJSONResponse
+from api.routes.stored import PROBLEM_RESPONSES
+from api.schemas import RenderResource, render_resource
+
+router = APIRouter(prefix="/v1/renders", tags=["renders"], responses=PROBLEM_RESPONSES)
+
+RENDER_BODY = {
+    "requestBody": {
+        "required": True,
+        "content": {"application/json": {"schema": {"$ref": "#/components/schemas/RenderBody"}}},
+    }
+}
+IMAGE_RESPONSE = {
+    "description": "The picture",
+    "content": {media_type: {} for media_type in MEDIA_TYPES.values()},
+}
+
+
+@router.post(
+    "",
+    status_code=202,
+    responses={
+        200: {"model": RenderResource, "description": "Finished within `Prefer: wait=N`"},
+        202: {"model": RenderResource},
+    },
+    openapi_extra=RENDER_BODY,
+)
+async def add_render(request: Request, context: ContextDep) -> Response:
+    """Ask for a picture; with `Prefer: wait=N` the answer waits up to N seconds for it."""
+    body = await read_json_object(request, context.settings.max_json_bytes)
+    job = await context.heavy(lambda: submit(context.service, body))
+    headers = {"Location": f"/v1/renders/{job.id}"}
+    status = 202
+    wanted_s = wait_seconds(request.headers.getlist("prefer"))
+    if wanted_s is not None:
+        granted_s = min(wanted_s, context.settings.wait_max_s)
+        if await wait_for(job, granted_s, request):
+            status = 200
+            headers["Preference-Applied"] = f"wait={granted_s:.0f}"
+    resource = render_resource(job, context.service.position(job))
+    return SafeJSONResponse(resource.model_dump(mode="json"), status, headers)
+
+
+@router.get("/{id}", responses={200: {"model": RenderResource}})
+async def get_render(id: str, context: ContextDep) -> Response:
+    """How far a render is, and what it took."""
+    job = context.service.job(id)
+    resource = render_resource(job, context.service.position(job))
+    return SafeJSONResponse(
+        resource.model_dump(mode="json"), headers={"Cache-Control": "no-store"}
+    )
+
+
+@router.get("/{id}/image", response_class=Response, responses={200: IMAGE_RESPONSE})
+async def get_image(
+    id: str, query: Annotated[ImageQuery, Query()], request: Request, context: ContextDep
+) -> Response:
+    """A finished render's picture, or one of its layers."""
+    return await image_response(context.service.job(id), query, request, context)
+
+
+@router.delete("/{id}", status_code=202, responses={202: {"model": RenderResource}})
+async def cancel_render(id: str, context: ContextDep) -> Response:
+    """Cancel a render that waits or runs; one that has ended stays as it is."""
+    job = context.service.job(id)
+    job.cancel()
+    resource = render_resource(job, context.service.position(job))
+    return SafeJSONResponse(resource.model_dump(mode="json"), 202)

@@ -1,0 +1,196 @@
+"""What answers look like. The names are the core's."""
+
+from datetime import UTC, datetime
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from api.problems import error_body
+from raysvc.accel.registry import Entry
+from raysvc.frame.settings import Settings
+from raysvc.frame.view import View
+from raysvc.jobs import Job, JobState, Record
+
+
+class BuiltinBody(BaseModel):
+    """Asks for a thing that is made in code."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    builtin: str = Field(description="Its name, such as `torus_park`.")
+
+
+class RenderBody(BaseModel):
+    """Asks for a picture."""
+
+    scene: str = Field(description="A scene's id, or `builtin:NAME`.")
+    environment: str | None = Field(
+        None, description="An environment's id, or `builtin:NAME`; the clear sky by default."
+    )
+    camera: View = Field(default_factory=View, description="From where; framed on the bounds by default.")
+    settings: Settings = Field(default_factory=Settings, description="How.")
+
+
+class ProblemBody(BaseModel):
+    """An RFC 9457 problem."""
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    instance: str
+    field: str | None = Field(description="What was wrong, in the request's own words.")
+    retryable: bool = Field(description="Whether the same request may succeed later.")
+
+
+class StoredResource(BaseModel):
+    """What scenes and environments have in common."""
+
+    id: str = Field(description="SHA-256 of the content.")
+    created: str = Field(description="When it was first sent (RFC 3339).")
+    builtin: str | None = Field(description="Its name, if it is made in code.")
+    name: str
+    warnings: list[str] = Field(description="What is in the file but not supported.")
+    links: dict[str, str]
+
+
+class SceneResource(StoredResource):
+    """A scene."""
+
+    triangles: int
+    vertices: int
+    objects: int
+    bounds: dict[str, list[float]] = Field(description="`min` and `max` corner, in metres.")
+    materials: list[dict[str, Any]]
+    textures: list[dict[str, Any]]
+    cameras: list[dict[str, Any]]
+    lights: list[dict[str, Any]]
+
+
+class EnvironmentResource(StoredResource):
+    """An environment."""
+
+    width: int
+    height: int
+    mean_radiance: list[float] = Field(description="Linear RGB, weighted by solid angle.")
+    max_radiance: float
+
+
+class RenderResource(BaseModel):
+    """A render: how far it is, and what it took."""
+
+    id: str
+    state: JobState
+    stage: str | None = Field(description="What runs now.")
+    progress: float = Field(description="How much of the stage is done, 0..1; 1 when done.")
+    position: int | None = Field(description="Renders that run before this one, while it waits.")
+    created: str
+    started: str | None
+    finished: str | None
+    scene: str
+    environment: str | None
+    camera: dict[str, Any]
+    settings: dict[str, Any]
+    statistics: dict[str, Any] | None = Field(
+        description="Timings per stage, rays and more, when done."
+    )
+    warnings: list[str]
+    error: dict[str, Any] | None = Field(description="Why it failed.")
+    links: dict[str, str]
+
+
+class StructureResource(BaseModel):
+    """An acceleration structure of the registry."""
+
+    name: str
+    summary: str
+    available: bool
+    why_not: str | None = Field(description="Why this machine cannot run it.")
+    parameters: dict[str, Any] = Field(description="JSON schema.")
+
+
+class StructureList(BaseModel):
+    """The registry."""
+
+    structures: list[StructureResource]
+
+
+class SceneList(BaseModel):
+    """Scenes, newest first."""
+
+    scenes: list[SceneResource]
+
+
+class EnvironmentList(BaseModel):
+    """Environments, newest first."""
+
+    environments: list[EnvironmentResource]
+
+
+class Health(BaseModel):
+    """Whether the service lives, or is ready."""
+
+    status: str
+
+
+def scene_resource(record: Record) -> SceneResource:
+    """Present a scene."""
+    return SceneResource(**_stored(record, "scenes"), **record.summary)
+
+
+def environment_resource(record: Record) -> EnvironmentResource:
+    """Present an environment."""
+    return EnvironmentResource(**_stored(record, "environments"), **record.summary)
+
+
+def render_resource(job: Job, position: int | None) -> RenderResource:
+    """Present a job. Its state is read first: what belongs to a state is set before the state is."""
+    state = job.state
+    path = f"/v1/renders/{job.id}"
+    links = {"self": path}
+    if state is JobState.DONE:
+        links["image"] = f"{path}/image"
+    statistics = dict(job.statistics) if job.statistics is not None else None
+    return RenderResource(
+        id=job.id,
+        state=state,
+        stage=job.stage if state is JobState.RUNNING else None,
+        progress=1.0 if state is JobState.DONE else job.stage_fraction,
+        position=position,
+        created=_time(job.created_s),
+        started=_time(job.started_s) if job.started_s else None,
+        finished=_time(job.finished_s) if job.finished_s else None,
+        scene=job.request.scene,
+        environment=job.request.environment,
+        camera=job.request.camera.model_dump(mode="json"),
+        settings=job.request.settings.model_dump(mode="json"),
+        statistics=statistics,
+        warnings=list(statistics.get("warnings", [])) if statistics else [],
+        error=error_body(job.error) if job.error is not None else None,
+        links=links,
+    )
+
+
+def structure_resource(name: str, entry: Entry) -> StructureResource:
+    """Present an entry of the registry."""
+    why_not = entry.why_not()
+    return StructureResource(
+        name=name,
+        summary=entry.summary,
+        available=why_not is None,
+        why_not=why_not,
+        parameters=entry.params.model_json_schema(),
+    )
+
+
+def _stored(record: Record, collection: str) -> dict[str, Any]:
+    return {
+        "id": record.id,
+        "created": _time(record.created_s),
+        "builtin": record.builtin,
+        "links": {"self": f"/v1/{collection}/{record.id}"},
+    }
+
+
+def _time(seconds: float) -> str:
+    return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")

@@ -1,0 +1,96 @@
+"""What whoever runs the service may choose, through environment variables that begin with RAYSVC_."""
+
+import dataclasses
+import os
+from pathlib import Path
+
+from pydantic import Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+from raysvc.jobs import ServiceOptions
+from raysvc.limits import DEFAULT_LIMITS, Limits
+
+
+def default_data_dir() -> Path:
+    """Folder for data that a user's programs keep."""
+    home = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return Path(home) / "raysvc"
+
+
+class ApiSettings(BaseSettings):
+    """Every field is an environment variable: `queue_size` is RAYSVC_QUEUE_SIZE."""
+
+    model_config = SettingsConfigDict(env_prefix="RAYSVC_", frozen=True)
+
+    data_dir: Path = Field(
+        default_factory=default_data_dir,
+        description="Where scenes and environments are kept; one process owns it.",
+    )
+    queue_size: int = Field(
+        16, ge=1, le=100_000, description="Renders that may wait; one more is answered 429."
+    )
+    kept_jobs: int = Field(
+        1_000, ge=1, description="Renders that are remembered; the oldest finished one goes first."
+    )
+    deadline_s: float = Field(
+        600.0, gt=0, le=86400, description="Time for a render that does not set `deadline_s`."
+    )
+    wait_max_s: float = Field(
+        60.0, ge=0, le=3600, description="Longest wait that `Prefer: wait` is granted."
+    )
+    grace_s: float = Field(
+        20.0, ge=0, le=3600, description="Time for the running render when the service stops."
+    )
+    heavy_threads: int = Field(
+        2, ge=1, le=64, description="Uploads and pictures that are decoded or encoded at a time."
+    )
+    scene_memory_bytes: int = Field(
+        1 << 30, ge=0, description="Parsed scenes that are kept in memory."
+    )
+    environment_memory_bytes: int = Field(
+        512 << 20, ge=0, description="Parsed environments that are kept in memory."
+    )
+    result_memory_bytes: int = Field(
+        512 << 20, ge=0, description="Finished pictures that are kept in memory."
+    )
+    max_json_bytes: int = Field(1 << 20, ge=1, description="Largest JSON body or form field.")
+    max_upload_bytes: int = Field(
+        DEFAULT_LIMITS.max_scene_bytes, ge=1, description="Largest upload, all files together."
+    )
+    max_upload_files: int = Field(
+        DEFAULT_LIMITS.max_files, ge=1, le=100_000, description="Files in one upload."
+    )
+    max_triangles: int = Field(
+        DEFAULT_LIMITS.max_triangles, ge=1, description="Triangles of a scene, instances counted."
+    )
+    max_image_pixels: int = Field(
+        DEFAULT_LIMITS.max_image_pixels, ge=1, description="Pixels of a picture."
+    )
+    max_image_side: int = Field(
+        DEFAULT_LIMITS.max_image_side, ge=1, description="Width or height of a picture."
+    )
+
+    def limits(self) -> Limits:
+        """Return the core's limits."""
+        return dataclasses.replace(
+            DEFAULT_LIMITS,
+            max_scene_bytes=self.max_upload_bytes,
+            max_file_bytes=min(DEFAULT_LIMITS.max_file_bytes, self.max_upload_bytes),
+            max_files=self.max_upload_files,
+            max_triangles=self.max_triangles,
+            max_image_pixels=self.max_image_pixels,
+            max_image_side=self.max_image_side,
+        )
+
+    def service_options(self) -> ServiceOptions:
+        """Return what the core's service may use."""
+        return ServiceOptions(
+            data_dir=self.data_dir,
+            queue_size=self.queue_size,
+            kept_jobs=self.kept_jobs,
+            deadline_s=self.deadline_s,
+            scene_memory_bytes=self.scene_memory_bytes,
+            environment_memory_bytes=self.environment_memory_bytes,
+            result_memory_bytes=self.result_memory_bytes,
+            limits=self.limits(),
+        )
