@@ -1,0 +1,106 @@
+"""Loops of summed-area tables (Crow 1984)."""
+
+from raysvc.jit import inlined, kernel
+from raysvc.types import Doubles, Floats
+
+
+@kernel
+def accumulate(image: Floats | Doubles, table: Doubles) -> None:
+    """Fill rows and columns 1.. of `table` (H+1, W+1, C) with sums of `image` (H, W, C), in one pass.
+
+    Row and column 0 of the table must be zero on entry.
+    """
+    height, width, channels = image.shape
+    for row in range(height):
+        for c in range(channels):
+            running = 0.0
+            for column in range(width):
+                running += image[row, column, c]
+                table[row + 1, column + 1, c] = table[row, column + 1, c] + running
+
+
+@inlined
+def corner(table: Doubles, row: float, column: float, channel: int) -> float:
+    """Sum above and left of a fractional position, which must lie within the image.
+
+    Bilinear in the table: exact for an image of constant texels.
+    """
+    i = min(int(row), table.shape[0] - 2)
+    j = min(int(column), table.shape[1] - 2)
+    v, u = row - i, column - j
+    above = table[i, j, channel] * (1.0 - u) + table[i, j + 1, channel] * u
+    below = table[i + 1, j, channel] * (1.0 - u) + table[i + 1, j + 1, channel] * u
+    return above * (1.0 - v) + below * v
+
+
+@kernel
+def sum_boxes(table: Doubles, boxes: Doubles, sums: Doubles) -> None:
+    """Write to `sums` (N, C) what `boxes` (N, 4) of top, left, bottom, right hold of the image."""
+    height, width, channels = table.shape[0] - 1.0, table.shape[1] - 1.0, table.shape[2]
+    for n in range(len(boxes)):
+        top = min(max(boxes[n, 0], 0.0), height)
+        left = min(max(boxes[n, 1], 0.0), width)
+        bottom = min(max(boxes[n, 2], 0.0), height)
+        right = min(max(boxes[n, 3], 0.0), width)
+        for c in range(channels):
+            sums[n, c] = (
+                corner(table, bottom, right, c)
+                - corner(table, top, right, c)
+                - corner(table, bottom, left, c)
+                + corner(table, top, left, c)
+            )
+
+
+@inlined
+def _column_rgb(
+    table: Doubles, top: float, bottom: float, column: float
+) -> tuple[float, float, float]:
+    """RGB sums left of a fractional column, between two fractional rows."""
+    j = min(int(column), table.shape[1] - 2)
+    u = column - j
+    i = min(int(bottom), table.shape[0] - 2)
+    v = bottom - i
+    w00, w01, w10, w11 = (1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u
+    a, b, c, d = table[i, j], table[i, j + 1], table[i + 1, j], table[i + 1, j + 1]
+    red = w00 * a[0] + w01 * b[0] + w10 * c[0] + w11 * d[0]
+    green = w00 * a[1] + w01 * b[1] + w10 * c[1] + w11 * d[1]
+    blue = w00 * a[2] + w01 * b[2] + w10 * c[2] + w11 * d[2]
+    i = min(int(top), table.shape[0] - 2)
+    v = top - i
+    w00, w01, w10, w11 = (1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u
+    a, b, c, d = table[i, j], table[i, j + 1], table[i + 1, j], table[i + 1, j + 1]
+    red -= w00 * a[0] + w01 * b[0] + w10 * c[0] + w11 * d[0]
+    green -= w00 * a[1] + w01 * b[1] + w10 * c[1] + w11 * d[1]
+    blue -= w00 * a[2] + w01 * b[2] + w10 * c[2] + w11 * d[2]
+    return red, green, blue
+
+
+@inlined
+def periodic_box_rgb(
+    table: Doubles, top: float, bottom: float, left: float, wide: float
+) -> tuple[float, float, float]:
+    """RGB sum over a box of an image that repeats from left to right, S(x + W) = S(x) + S(W).
+
+    Parameters
+    ----------
+    table
+        (H+1, W+1, 3)
+    top, bottom
+        rows within 0..H
+    left, wide
+        left edge, within -W..2W, and width within 0..W, in texels
+    """
+    width = table.shape[1] - 1.0
+    if left < 0.0:
+        left += width
+    elif left >= width:
+        left -= width
+    right = left + wide
+    red, green, blue = _column_rgb(table, top, bottom, min(left, width))
+    red, green, blue = -red, -green, -blue
+    if right > width:
+        right -= width
+        r, g, b = _column_rgb(table, top, bottom, width)
+        red, green, blue = red + r, green + g, blue + b
+    r, g, b = _column_rgb(table, top, bottom, min(right, width))
+    return red + r, green + g, blue + b

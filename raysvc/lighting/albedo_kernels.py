@@ -1,0 +1,124 @@
+"""Integrals of the BRDF under constant light."""
+
+import math
+
+from raysvc.jit import inlined, kernel
+from raysvc.lighting.brdf import (
+    MIN_COSINE,
+    fresnel_weight,
+    ggx_alpha,
+    shadowing_given_masking,
+    visible_normal,
+)
+from raysvc.types import Doubles, Floats
+
+
+GOLDEN = 0.6180339887498949
+
+
+@kernel
+def integrate_specular(cosines: Doubles, roughness: Doubles, samples: int, table: Doubles) -> None:
+    """Fill `table` (R, C, 2) with A, B of the specular lobe's albedo F0 A + B.
+
+    Visible normals at the points of a golden-ratio lattice; by symmetry half of the turn is enough.
+    """
+    for i in range(len(roughness)):
+        alpha = ggx_alpha(roughness[i])
+        for j in range(len(cosines)):
+            nov = max(cosines[j], MIN_COSINE)
+            view = (math.sqrt(max(1.0 - nov * nov, 0.0)), 0.0, nov)
+            scale, bias = 0.0, 0.0
+            for k in range(samples):
+                turn = math.pi * ((k * GOLDEN) % 1.0)
+                u = (k + 0.5) / samples
+                h = visible_normal(view, alpha, math.cos(turn), math.sin(turn), u)
+                voh = view[0] * h[0] + view[2] * h[2]
+                nol = 2.0 * voh * h[2] - nov
+                if nol > 0.0:
+                    share = shadowing_given_masking(nol, nov, alpha)
+                    weight = fresnel_weight(voh)
+                    scale += share * (1.0 - weight)
+                    bias += share * weight
+            table[i, j, 0] = scale / samples
+            table[i, j, 1] = bias / samples
+
+
+@kernel
+def integrate_diffuse(cosines: Doubles, samples: int, table: Doubles) -> None:
+    """Fill `table` (C,) with the mean of (1 - V.H)^5 over the cosine lobe, at the same lattice."""
+    for j in range(len(cosines)):
+        nov = max(cosines[j], MIN_COSINE)
+        sine = math.sqrt(max(1.0 - nov * nov, 0.0))
+        total = 0.0
+        for k in range(samples):
+            across = math.cos(math.pi * ((k * GOLDEN) % 1.0))
+            u = (k + 0.5) / samples
+            vol = sine * across * math.sqrt(u) + nov * math.sqrt(1.0 - u)
+            total += fresnel_weight(math.sqrt(max(0.5 + 0.5 * vol, 0.0)))
+        table[j] = total / samples
+
+
+@inlined
+def specular_terms(table: Doubles, nov: float, roughness: float) -> tuple[float, float]:
+    """A, B at a cosine and a roughness: bilinear in `table`, whose axes are roughness and sqrt(cosine)."""
+    y = min(max(roughness, 0.0), 1.0) * (table.shape[0] - 1)
+    x = math.sqrt(min(max(nov, 0.0), 1.0)) * (table.shape[1] - 1)
+    i, j = min(int(y), table.shape[0] - 2), min(int(x), table.shape[1] - 2)
+    v, u = y - i, x - j
+    w00, w01, w10, w11 = (1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u
+    a, b, c, d = table[i, j], table[i, j + 1], table[i + 1, j], table[i + 1, j + 1]
+    return (
+        w00 * a[0] + w01 * b[0] + w10 * c[0] + w11 * d[0],
+        w00 * a[1] + w01 * b[1] + w10 * c[1] + w11 * d[1],
+    )
+
+
+@inlined
+def diffuse_loss(table: Doubles, nov: float) -> float:
+    """C at a cosine: linear in `table`, whose axis is sqrt(cosine)."""
+    x = math.sqrt(min(max(nov, 0.0), 1.0)) * (table.shape[0] - 1)
+    j = min(int(x), table.shape[0] - 2)
+    u = x - j
+    return table[j] * (1.0 - u) + table[j + 1] * u
+
+
+@kernel
+def specular_albedos(
+    table: Doubles,
+    normal: Floats,
+    view: Floats,
+    base_colour: Floats,
+    metallic: Floats,
+    roughness: Floats,
+    dielectric_f0: Floats,
+    albedo: Floats,
+) -> None:
+    """Write F0 A + B to `albedo` (N, 3)."""
+    for i in range(len(normal)):
+        nov = normal[i, 0] * view[i, 0] + normal[i, 1] * view[i, 1] + normal[i, 2] * view[i, 2]
+        scale, bias = specular_terms(table, nov, roughness[i])
+        metal = metallic[i]
+        for c in range(3):
+            f0 = dielectric_f0[i] * (1.0 - metal) + base_colour[i, c] * metal
+            albedo[i, c] = f0 * scale + bias
+
+
+@kernel
+def diffuse_albedos(
+    table: Doubles,
+    normal: Floats,
+    view: Floats,
+    base_colour: Floats,
+    metallic: Floats,
+    dielectric_f0: Floats,
+    albedo: Floats,
+) -> None:
+    """Write c_diff (1 - F0) (1 - C) to `albedo` (N, 3)."""
+    for i in range(len(normal)):
+        nov = normal[i, 0] * view[i, 0] + normal[i, 1] * view[i, 1] + normal[i, 2] * view[i, 2]
+        kept = 1.0 - diffuse_loss(table, nov)
+        metal = metallic[i]
+        for c in range(3):
+            base = base_colour[i, c]
+            f0 = dielectric_f0[i] * (1.0 - metal) + base * metal
+            albedo[i, c] = base * (1.0 - metal) * (1.0 - f0) * kept

@@ -1,0 +1,37 @@
+"""Geometry of lat-long maps: where texels look and how much of the sphere they cover.
+
+Row 0 looks up (+Y); the centre column is what is seen looking along -Z, +X is to its right.
+"""
+
+import math
+
+import numpy as np
+
+from raysvc.types import Doubles
+
+
+def texel_directions(rows: Doubles, columns: Doubles, height: int, width: int) -> Doubles:
+    """Unit directions of points of a map.
+
+    Parameters
+    ----------
+    rows, columns
+        broadcastable, in texels, texel centres at +0.5
+    height, width
+        of the map
+
+    Returns
+    -------
+    (..., 3) float64
+    """
+    polar = rows * (math.pi / height)
+    azimuth = (columns / width - 0.5) * math.tau
+    sine = np.sin(polar)
+    x, y, z = np.broadcast_arrays(sine * np.sin(azimuth), np.cos(polar), -sine * np.cos(azimuth))
+    return np.stack([x, y, z], axis=-1)
+
+
+def texel_solid_angles(height: int, width: int) -> Doubles:
+    """(height,) float64 exact solid angle in steradians of one texel in each row."""
+    edges = np.cos(np.arange(height + 1) * (math.pi / height))
+    return (edges[:-1] - edges[1:]) * (math.tau / width)
