@@ -1,0 +1,71 @@
+"""The commands, and how their errors end the process."""
+
+import sys
+from collections.abc import Sequence
+from typing import Annotated, NoReturn
+
+import typer
+
+from raysvc.cli.demo import demo
+from raysvc.cli.inspect import inspect
+from raysvc.cli.render import render
+from raysvc.cli.serve import serve
+from raysvc.errors import InvalidInput, RaysvcError, Unavailable
+from raysvc.version import VERSION
+
+EXIT_WRONG_INPUT = 2
+EXIT_FAILURE = 1
+
+app = typer.Typer(
+    name="raysvc",
+    help="A 3D scene and a camera in, a picture out, on a CPU.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+for command in (serve, render, inspect, demo):
+    app.command()(command)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"raysvc {VERSION}")
+        raise typer.Exit()
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool,
+        typer.Option("--version", is_eager=True, callback=_show_version, help="Say which this is."),
+    ] = False,
+) -> None:
+    pass
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run a command and leave the process with its exit code."""
+    sys.exit(run(arguments))
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; returns its exit code."""
+    try:
+        code = app(arguments, prog_name="raysvc", standalone_mode=False)
+    except typer.TyperException as error:
+        return _failed(error.format_message(), error.exit_code)
+    except typer.Abort:
+        return _failed("aborted", EXIT_FAILURE)
+    except (InvalidInput, Unavailable) as error:
+        return _failed(str(error), EXIT_WRONG_INPUT)
+    except RaysvcError as error:
+        return _failed(str(error), EXIT_FAILURE)
+    except OSError as error:
+        return _failed(f"{error.filename or 'system'}: {error.strerror or error}", EXIT_FAILURE)
+    return code if isinstance(code, int) else 0
+
+
+def _failed(message: str, code: int) -> int:
+    typer.echo(f"error: {' '.join(message.split())}", err=True)
+    return code

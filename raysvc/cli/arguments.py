@@ -1,0 +1,68 @@
+"""From words on the command line to what the core takes. Everything wrong is an InvalidSetting."""
+
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from raysvc.errors import InvalidSetting
+
+PICTURE_SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".webp", ".exr", ".npz")
+
+
+def settings_mapping(assignments: Sequence[str]) -> dict[str, Any]:
+    """Read KEY=VALUE words; a value is JSON where it can be, else a text."""
+    values: dict[str, Any] = {}
+    for assignment in assignments:
+        key, equals, text = assignment.partition("=")
+        if not equals or not key:
+            raise InvalidSetting(f"write KEY=VALUE, not {assignment!r}", field="--set")
+        if key in values:
+            raise InvalidSetting("is set twice", field=f"settings.{key}")
+        values[key] = _value(text)
+    return values
+
+
+def camera_mapping(path: Path | None, size: str | None) -> dict[str, Any]:
+    """Read a camera from a JSON file, and its size from WxH."""
+    camera: dict[str, Any] = {} if path is None else _object_in(path)
+    if size is not None:
+        found = re.fullmatch(r"(\d{1,9})x(\d{1,9})", size)
+        if found is None:
+            raise InvalidSetting(f"write WIDTHxHEIGHT, not {size!r}", field="--size")
+        camera |= {"width": int(found.group(1)), "height": int(found.group(2))}
+    return camera
+
+
+def checked_output(path: Path) -> Path:
+    """Refuse a picture file that could not be written, before time is spent on the picture."""
+    if path.suffix.lower() not in PICTURE_SUFFIXES:
+        raise InvalidSetting(f"must end in {' '.join(PICTURE_SUFFIXES)}", field="--output")
+    return writable(path, "--output")
+
+
+def writable(path: Path, field: str) -> Path:
+    """Refuse a file in a folder that is not there."""
+    if not path.parent.is_dir():
+        raise InvalidSetting(f"there is no folder {path.parent}", field=field)
+    return path
+
+
+def _object_in(path: Path) -> dict[str, Any]:
+    try:
+        value = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InvalidSetting(f"{path}: {error.strerror}", field="--camera") from None
+    except (ValueError, RecursionError) as error:
+        raise InvalidSetting(f"{path} is not JSON: {error}", field="--camera") from None
+    if not isinstance(value, dict):
+        raise InvalidSetting(f"{path} must hold a JSON object", field="--camera")
+    return value
+
+
+def _value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        return text

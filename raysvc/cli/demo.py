@@ -1,0 +1,102 @@
+"""`raysvc demo`: the service started, asked over HTTP, and stopped; leaves a picture and its timings."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import httpx
+import typer
+from rich.console import Console
+
+from raysvc.cli.arguments import camera_mapping
+from raysvc.cli.progress import progress_bar
+from raysvc.cli.tables import stage_table
+from raysvc.errors import RaysvcError
+
+READY_WITHIN_S = 600.0
+LOOK_EVERY_S = 0.2
+
+
+def demo(
+    folder: Annotated[Path, typer.Option("--output", "-o", help="Where the files go.")] = Path(
+        "demo"
+    ),
+    scene: Annotated[str, typer.Option("--scene", help="A built-in scene.")] = "torus_park",
+    size: Annotated[str, typer.Option("--size", help="WIDTHxHEIGHT in pixels.")] = "1280x720",
+) -> None:
+    """Start the service, post a scene to it over HTTP, and leave picture.png, picture.exr, stats.json."""
+    camera = camera_mapping(None, size)
+    folder.mkdir(parents=True, exist_ok=True)
+    with (
+        tempfile.TemporaryDirectory(prefix="raysvc-demo-") as data_dir,
+        _service(Path(data_dir)) as url,
+        httpx.Client(base_url=url, timeout=120.0) as client,
+    ):
+        with progress_bar("demo") as report:
+            report("compiling kernels (first time only)", 0.0)
+            _wait_until_ready(client)
+            report("posting the scene", 0.0)
+            stored = _answer(client.post("/v1/scenes", json={"builtin": scene}))
+            body = {"scene": stored["id"], "camera": camera}
+            report("rendering", 0.0)
+            render = _answer(client.post("/v1/renders", json=body))
+            while render["state"] in ("queued", "running"):
+                time.sleep(LOOK_EVERY_S)
+                render = _answer(client.get(render["links"]["self"]))
+                report(render["stage"] or "rendering", render["progress"])
+        if render["state"] != "done":
+            raise RaysvcError(f"the render {render['state']}: {render['error']}")
+        for format in ("png", "exr"):
+            picture = client.get(render["links"]["image"], params={"format": format})
+            picture.raise_for_status()
+            (folder / f"picture.{format}").write_bytes(picture.content)
+    statistics = render["statistics"]
+    text = json.dumps(statistics, indent=2) + "\n"
+    (folder / "stats.json").write_text(text, encoding="utf-8")
+    Console().print(stage_table(statistics))
+    typer.echo(f"{folder / 'picture.png'}, picture.exr and stats.json are written")
+
+
+@contextmanager
+def _service(data_dir: Path) -> Iterator[str]:
+    """Run the service on a free port; yields its address."""
+    command = [sys.executable, "-m", "raysvc", "serve", "--port", "0", "--data-dir", str(data_dir)]
+    log = data_dir / "log.txt"
+    with (
+        log.open("wb") as errors,
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True) as process,
+    ):
+        try:
+            assert process.stdout is not None
+            address = process.stdout.readline().rpartition(" ")[2].strip()
+            if not address.startswith("http"):
+                process.wait()
+                raise RaysvcError(f"the service did not start: {log.read_text()[-2000:]}")
+            yield address
+        finally:
+            process.terminate()
+
+
+def _wait_until_ready(client: httpx.Client) -> None:
+    end = time.monotonic() + READY_WITHIN_S
+    while time.monotonic() < end:
+        try:
+            if client.get("/readyz").is_success:
+                return
+        except httpx.ConnectError:
+            pass  # it does not listen yet
+        time.sleep(LOOK_EVERY_S)
+    raise RaysvcError(f"the service was not ready within {READY_WITHIN_S:.0f} s")
+
+
+def _answer(response: httpx.Response) -> dict[str, Any]:
+    body: dict[str, Any] = response.json()
+    if response.is_error:
+        raise RaysvcError(f"{body['title']}: {body['detail']}", body["field"])
+    return body

@@ -1,0 +1,68 @@
+"""`raysvc render`: a scene file in, a picture file out."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from raysvc.cli.arguments import camera_mapping, checked_output, settings_mapping, writable
+from raysvc.cli.progress import progress_bar
+from raysvc.cli.tables import stage_table
+
+
+def render(
+    scene: Annotated[str, typer.Argument(help="A scene file, or builtin:NAME.")],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="The picture: .png .jpg .webp .exr or .npz.")
+    ],
+    environment: Annotated[
+        str | None,
+        typer.Option("--environment", "-e", help="An .hdr or .exr file, or builtin:NAME."),
+    ] = None,
+    camera: Annotated[
+        Path | None, typer.Option("--camera", help="A JSON file; by default the scene is framed.")
+    ] = None,
+    size: Annotated[
+        str | None, typer.Option("--size", help="WIDTHxHEIGHT of the picture in pixels.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", help="KEY=VALUE of a setting; may be repeated.")
+    ] = None,
+    stats: Annotated[
+        Path | None, typer.Option("--stats", help="A JSON file for timings and counts.")
+    ] = None,
+) -> None:
+    """Render a scene to a picture file."""
+    from raysvc.frame.render import render as render_frame
+    from raysvc.frame.settings import checked, settings_from
+    from raysvc.frame.view import View
+    from raysvc.loading import load_environment, load_scene
+    from raysvc.parallel import Control
+
+    checked_output(output)
+    if stats is not None:
+        writable(stats, "--stats")
+    settings = settings_from(settings_mapping(set_ or []))
+    view = checked(View, camera_mapping(camera, size), "camera")
+
+    with progress_bar(scene) as report:
+        report("loading", 0.0)
+        light = None if environment is None else load_environment(environment)
+        control = Control(settings.threads, settings.deadline_s, report)
+        frame = render_frame(load_scene(scene), light, view, settings, control=control)
+    frame.save(output)
+
+    statistics = frame.statistics.to_dict()
+    if stats is not None:
+        stats.write_text(json.dumps(statistics, indent=2) + "\n", encoding="utf-8")
+    console = Console(stderr=True)
+    for warning in statistics["warnings"]:
+        console.print(f"warning: {warning}", markup=False, highlight=False)
+    if console.is_terminal:
+        console.print(stage_table(statistics))
+    typer.echo(
+        f"{output}: {statistics['width']}x{statistics['height']} in "
+        f"{statistics['total_seconds']:.2f} s"
+    )

@@ -1,0 +1,49 @@
+"""`raysvc serve`: the service, on this machine."""
+
+import os
+import socket
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+APPLICATION = "api.app:create_app"
+"""By name: the core never imports `api`."""
+
+
+def serve(
+    host: Annotated[str, typer.Option("--host", help="Address to listen on.")] = "127.0.0.1",
+    port: Annotated[
+        int, typer.Option("--port", min=0, max=65535, help="Port to listen on; 0 finds a free one.")
+    ] = 8000,
+    data_dir: Annotated[
+        Path | None,
+        typer.Option("--data-dir", help="Where scenes and environments are kept."),
+    ] = None,
+) -> None:
+    """Run the HTTP service until it is told to stop."""
+    import uvicorn
+
+    if data_dir is not None:
+        os.environ["RAYSVC_DATA_DIR"] = str(data_dir)
+    config = uvicorn.Config(
+        APPLICATION, factory=True, host=host, port=port, log_level="info", server_header=False
+    )
+    listening = _listen(host, port)
+    address = f"[{host}]" if ":" in host else host
+    typer.echo(f"raysvc is at http://{address}:{listening.getsockname()[1]}")
+    uvicorn.Server(config).run(sockets=[listening])
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    family, kind, protocol, _, address = socket.getaddrinfo(
+        host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+    )[0]
+    listening = socket.socket(family, kind, protocol)
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind(address)
+    except OSError as error:
+        listening.close()
+        raise OSError(error.errno, error.strerror, f"{host}:{port}") from None
+    return listening
