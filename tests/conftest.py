@@ -24,6 +24,8 @@ def _assets_dir() -> Path | None:
 def assets() -> Path:
     """Folder of real scenes and environments; see RAYSVC_ASSETS."""
     folder = _assets_dir()
+    if folder is None and os.environ.get("RAYSVC_REQUIRE_ASSETS"):
+        pytest.fail("RAYSVC_REQUIRE_ASSETS is set, and there are no assets; see RAYSVC_ASSETS")
     if folder is None:
         pytest.skip("no assets beside the checkout; set RAYSVC_ASSETS")
     return folder
