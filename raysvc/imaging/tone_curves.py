@@ -119,7 +119,7 @@ def reinhard(colour: Floats) -> Floats:
     """Extended Reinhard on luminance (Reinhard et al. 2002, equation 4); hue kept, then clipped."""
     luminance = transformed(colour, LUMINANCE)[0]
     scale = (1 + luminance / (REINHARD_WHITE * REINHARD_WHITE)) / (1 + luminance)
-    return np.minimum(colour * scale, np.float32(1.0))
+    return clipped(colour * scale)
 
 
 def transformed(colour: Floats, matrix: Floats) -> Floats:
@@ -128,8 +128,8 @@ def transformed(colour: Floats, matrix: Floats) -> Floats:
     Written out because a BLAS may sum differently by the number of rows, and bytes would follow.
     """
     r, g, b = colour
-    rows: Floats = np.stack([row[0] * r + row[1] * g + row[2] * b for row in matrix])
-    return rows
+    rows: list[Floats] = [row[0] * r + row[1] * g + row[2] * b for row in matrix]
+    return np.stack(rows)
 
 
 def clipped(colour: Floats) -> Floats:

@@ -1,1 +1,1 @@
-"""The lens: circles of confusion from depth (`coc`), and blur by spreading every pixel (`spread`)."""
+"""The lens: circles of confusion from depth (`coc`), blur by spreading pixels (`spread`)."""

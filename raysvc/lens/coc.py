@@ -12,12 +12,12 @@ LARGEST_COC_PX = 1e6
 def coc_px(camera: Camera, depth: Floats) -> Floats:
     """Signed diameter, in pixels, of the circle of confusion of points at given depths.
 
-    A point at depth z sends rays through a lens of radius R that meet the plane of focus, at distance
-    F, in a disc of radius R |z - F| / z. A pixel is s F metres wide there (s: width at depth 1), so the
-    diameter is 2 R / s (1/F - 1/z) pixels: affine in 1/z, and negative nearer than the focus.
+    A point at depth z sends rays through a lens of radius R that meet the plane of focus, at
+    distance F, in a disc of radius R |z - F| / z. A pixel is s F metres wide there (s: width at
+    depth 1), so the diameter is 2 R / s (1/F - 1/z) pixels: affine in 1/z, negative nearer than F.
 
-    An orthographic camera has no eye for the lens to be at. Its rays cross the plane of depth 0 within
-    R of the pixel's own point and meet in focus: 2 R / s (z/F - 1), with s the width anywhere.
+    An orthographic camera has no eye for the lens to be at. Its rays cross the plane of depth 0
+    within R of the pixel's own point and meet in focus: 2 R / s (z/F - 1), s the width anywhere.
 
     Parameters
     ----------

@@ -7,7 +7,7 @@ from raysvc.types import Floats
 
 
 def fill_holes(picture: Floats, known: Floats) -> bool:
-    """Fill a picture (H, W, C) float32 in place where `known` (H, W) float32, 0..1, is less than one.
+    """Fill a picture (H, W, C) in place where `known` (H, W), 0..1, is less than one; all float32.
 
     What is fully known keeps its bits. Returns False, and changes nothing, if nothing is known.
     """

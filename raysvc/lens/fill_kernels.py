@@ -1,10 +1,11 @@
 """Kernels of filling holes by push and pull over a pyramid (Gortler et al. 1996, section 4)."""
 
 from raysvc.jit import kernel
+from raysvc.types import Floats
 
 
 @kernel
-def push(colour, known, coarse_colour, coarse_known):
+def push(colour: Floats, known: Floats, coarse_colour: Floats, coarse_known: Floats) -> None:
     """Halve: (H, W, C) and (H, W) float32 to half the size, rounded up, averaging what is known."""
     height, width, channels = colour.shape
     coarse_height, coarse_width = coarse_known.shape
@@ -25,7 +26,7 @@ def push(colour, known, coarse_colour, coarse_known):
 
 
 @kernel
-def pull(coarse_colour, known, colour):
+def pull(coarse_colour: Floats, known: Floats, colour: Floats) -> None:
     """Complete colour (H, W, C) by what its coarser level, complete, shows there; bilinear."""
     height, width, channels = colour.shape
     last_row, last_col = coarse_colour.shape[0] - 1, coarse_colour.shape[1] - 1

@@ -1,8 +1,8 @@
 """Depth of field by filter spreading, order 1: every pixel becomes a square as large as its blur.
 
 After Kosloff, Tao and Barsky, "Depth of field postprocessing for layered scenes using constant-time
-rectangle spreading" (Graphics Interface 2009): a square is a few differences at its corners, and two
-running sums draw all squares at once, so that the cost does not depend on how large they are.
+rectangle spreading" (Graphics Interface 2009): a square is a few differences at its corners, and
+two running sums draw all squares at once, so that the cost does not depend on how large they are.
 """
 
 import math
@@ -25,7 +25,7 @@ HEADROOM_BITS = 6
 """Squares of all sizes around a point weigh at most about 2 ln(picture's side), less than 2^6."""
 
 KNOWN_PER_WEIGHT = 2.0
-"""Beside a straight silhouette half of the squares are hidden: half the weight is full knowledge."""
+"""At a straight silhouette half of the squares are hidden: half the weight is full knowledge."""
 
 ROWS = 32
 
@@ -51,8 +51,8 @@ def spread(
 
     Returns
     -------
-    (H, W, 4) float32; `rgba` itself if nothing is blurred. Sharp pixels (square no larger than a pixel)
-    keep their bits unless something nearer is blurred over them.
+    (H, W, 4) float32; `rgba` itself if nothing is blurred. Sharp pixels (square no larger than a
+    pixel) keep their bits unless something nearer is blurred over them.
 
     Raises InvalidInput if the shapes do not match or a circle of confusion is not finite.
     """
@@ -67,46 +67,63 @@ def spread(
     if slices.sharp.all():
         return rgba
     rgba = limited(rgba, warnings)
+    values = planes(rgba)
 
     # Back to front: what is behind the focus, what is in focus, what is nearer.
     picture = np.zeros_like(rgba)
     known = np.zeros(side.shape, np.float32)
     for membership in (slices.far, slices.behind):
         if membership is not None:
-            _lay(*spread_slice(rgba, membership, side, control), picture, known, control)
+            _lay(spread_slice(values, membership, side, control), picture, known, control)
     np.copyto(picture, rgba, where=slices.sharp[..., None])
     known[slices.sharp] = 1.0
     if slices.near is not None:
         if fill_holes(picture, known):
             known[:] = 1.0
-        _lay(*spread_slice(rgba, slices.near, side, control), picture, known, control)
+        _lay(spread_slice(values, slices.near, side, control), picture, known, control)
     return picture
 
 
-def spread_slice(
-    rgba: Floats, membership: Floats, side_px: Floats, control: Control
-) -> tuple[Floats, Floats]:
+def planes(rgba: Floats) -> Floats:
+    """Return what is spread of a picture (H, W, 4): (5, H, W) red, green, blue, alpha, ones.
+
+    Of an opaque picture only (4, H, W) red, green, blue, ones: the ones are its alpha.
+    """
+    opaque = bool((rgba[..., 3] == 1.0).all())
+    out = np.ones((4 if opaque else 5, *rgba.shape[:2]), np.float32)
+    out[:-1] = np.moveaxis(rgba, 2, 0)[: len(out) - 1]
+    return out
+
+
+def spread_slice(values: Floats, membership: Floats, side_px: Floats, control: Control) -> Floats:
     """Spread the pixels of one slice, each times its membership, without normalising.
 
-    Returns (4, H, W) float32 sums of values and (H, W) float32 sums of memberships. Both keep their
-    totals: what would leave the picture is mirrored at its border.
+    Parameters
+    ----------
+    values
+        (C, H, W) float32, the last of them ones (`planes`)
+    membership
+        (H, W) float32, 0..1
+    side_px
+        (H, W) float32, at most twice the smaller of H and W
+
+    Returns
+    -------
+    (C, H, W) float32. Totals are kept: what would leave the picture is mirrored at its border.
     """
     height, width = side_px.shape
-    ones = np.ones(side_px.shape, np.float32)
-    opaque = bool((rgba[..., 3] == 1.0).all())
-    inputs = [rgba[..., 0], rgba[..., 1], rgba[..., 2], ones, *([] if opaque else [rgba[..., 3]])]
-    sums = np.empty((len(inputs), height, width), np.float32)
+    sums = np.empty_like(values)
 
     def work(begin: int, end: int) -> None:
-        for i in range(begin, end):
-            scale = fixed_point_scale(inputs[i])
+        for value, out in zip(values[begin:end], sums[begin:end], strict=True):
+            scale = fixed_point_scale(value)
             deltas = np.zeros((height + 2, width + 2), np.int64)
-            add_squares(inputs[i], membership, side_px, scale, deltas)
-            integrate(deltas, scale, np.zeros(width, np.int64), sums[i])
+            add_squares(value, membership, side_px, scale, deltas)
+            integrate(deltas, scale, np.zeros(width, np.int64), out)
 
     # Channels do not share sums, so one channel per thread needs neither locks nor copies.
-    for_chunks(len(inputs), 1, work, control)
-    return sums[[0, 1, 2, -1]], sums[3]
+    for_chunks(len(values), 1, work, control)
+    return sums
 
 
 def fixed_point_scale(values: Floats) -> float:
@@ -117,7 +134,7 @@ def fixed_point_scale(values: Floats) -> float:
 
 
 def limited(rgba: Floats, warnings: MutableSequence[str] | None = None) -> Floats:
-    """Return rgba with undefined components 0 and others within LARGEST_VALUE; itself if they are."""
+    """Return rgba with NaN as 0 and the rest within +-LARGEST_VALUE; itself if it is so already."""
     if np.abs(rgba).max() <= LARGEST_VALUE:
         return rgba
     broken = ~(np.abs(rgba) <= LARGEST_VALUE).all(axis=2)
@@ -127,10 +144,8 @@ def limited(rgba: Floats, warnings: MutableSequence[str] | None = None) -> Float
     return np.clip(clean, np.float32(-LARGEST_VALUE), np.float32(LARGEST_VALUE))
 
 
-def _lay(
-    colour: Floats, weight: Floats, picture: Floats, known: Floats, control: Control
-) -> None:
+def _lay(sums: Floats, picture: Floats, known: Floats, control: Control) -> None:
     def work(begin: int, end: int) -> None:
-        lay_over(colour, weight, KNOWN_PER_WEIGHT, begin, end, picture, known)
+        lay_over(sums, KNOWN_PER_WEIGHT, begin, end, picture, known)
 
     for_chunks(len(picture), ROWS, work, control)

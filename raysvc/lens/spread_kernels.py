@@ -1,15 +1,17 @@
-"""Kernels of spreading: a square is four corners before two running sums, sixteen with fractional edges.
+"""Kernels of spreading: a square is its corners before two running sums.
 
-Sums are 64-bit whole numbers. They wrap, which does no harm as long as the final value fits; they do not
-depend on the order of addition; and the deltas of a square add up to exactly nothing along every row and
-column, so no streak is left beyond it however large the numbers are.
+Four corners of one number each, or of 2 x 2 if the edges lie within pixels. Sums are 64-bit whole
+numbers. They wrap, which does no harm as long as the final value fits; they do not depend on the
+order of addition; and the deltas of a square add up to exactly nothing along every row and column,
+so that no streak is left beyond it however large the numbers are.
 """
 
 from raysvc.jit import inlined, kernel
+from raysvc.types import Floats, Longs
 
 
 @inlined
-def add_box(deltas, density, x0, x1, y0, y1):
+def add_box(deltas: Longs, density: int, x0: float, x1: float, y0: float, y1: float) -> None:
     """Add `density` (int64) over [x0, x1) x [y0, y1), pixel coordinates, to second differences."""
     left, right, top, bottom = int(x0), int(x1), int(y0), int(y1)
 
@@ -46,8 +48,8 @@ def add_box(deltas, density, x0, x1, y0, y1):
 
 
 @inlined
-def piece(begin, end, size, which):
-    """Part of [begin, end) that lands in 0..size: 0 directly, 1 mirrored at 0, 2 mirrored at size."""
+def piece(begin: float, end: float, size: float, which: int) -> tuple[float, float]:
+    """Part of [begin, end) within 0..size: 0 directly, 1 mirrored at 0, 2 mirrored at size."""
     if which == 0:
         return max(begin, 0.0), min(end, size)
     if which == 1:
@@ -56,12 +58,14 @@ def piece(begin, end, size, which):
 
 
 @kernel
-def add_squares(values, membership, side, scale, deltas):
+def add_squares(
+    values: Floats, membership: Floats, side: Floats, scale: float, deltas: Longs
+) -> None:
     """Spread every pixel into a square around it, as second differences.
 
     values, membership, side: (H, W) float32; side at most 2 min(H, W); membership 0 skips a pixel.
-    scale: fixed point steps per unit. deltas: (H + 2, W + 2) int64, added to. What would fall outside
-    of the picture is mirrored at its border: nothing is lost and a constant stays constant.
+    scale: fixed point steps per unit. deltas: (H + 2, W + 2) int64, added to. What would fall
+    outside of the picture is mirrored at its border: nothing is lost, a constant stays constant.
     """
     height, width = values.shape
     for y in range(height):
@@ -89,7 +93,7 @@ def add_squares(values, membership, side, scale, deltas):
 
 
 @kernel
-def integrate(deltas, scale, column, out):
+def integrate(deltas: Longs, scale: float, column: Longs, out: Floats) -> None:
     """Sum second differences (H + 2, W + 2) int64 along both axes into out (H, W) float32.
 
     column: (W,) int64 zeros, working space.
@@ -105,18 +109,21 @@ def integrate(deltas, scale, column, out):
 
 
 @kernel
-def lay_over(colour, weight, gain, first, last, picture, known):
+def lay_over(
+    sums: Floats, gain: float, first: int, last: int, picture: Floats, known: Floats
+) -> None:
     """Lay rows first..last of a spread slice over what is behind it.
 
-    colour: (4, H, W) float32 sums of premultiplied values; weight: (H, W) float32 sums of memberships.
-    picture: (H, W, 4) float32 and known: (H, W) float32, changed in place: what is behind, and how much
-    is known of it (0 nothing, 1 all). The slice covers by its weight, up to 1. Where less than all is
-    known behind, the missing part is left out and the rest made up to one. gain: knowledge per weight.
+    sums: (4 or 5, H, W) float32: premultiplied colour, alpha, weight; when four, weight is alpha.
+    picture: (H, W, 4) float32 and known: (H, W) float32, changed in place: what is behind, and how
+    much is known of it (0 nothing, 1 all). The slice covers by its weight, up to 1. Where less than
+    all is known behind, the missing part is left out and the rest made up to one.
+    gain: knowledge per weight.
     """
     width = picture.shape[1]
     for y in range(first, last):
         for x in range(width):
-            w = weight[y, x]
+            w = sums[-1, y, x]
             if w <= 0.0:
                 continue
             cover = min(w, 1.0)
@@ -124,5 +131,5 @@ def lay_over(colour, weight, gain, first, last, picture, known):
             front_share = cover / (w * (cover + rest))
             back_share = rest / (cover + rest)
             for c in range(4):
-                picture[y, x, c] = colour[c, y, x] * front_share + picture[y, x, c] * back_share
+                picture[y, x, c] = sums[c, y, x] * front_share + picture[y, x, c] * back_share
             known[y, x] = max(known[y, x], min(1.0, gain * w))
