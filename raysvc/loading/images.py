@@ -5,7 +5,7 @@ import struct
 import warnings
 
 import numpy as np
-from PIL import Image
+from PIL import Image, UnidentifiedImageError
 
 from raysvc.errors import InvalidScene, LimitExceeded
 from raysvc.types import Bytes
@@ -52,7 +52,9 @@ def decode_image(
                 _check_size(image.width, image.height, max_pixels, field)
                 return _rgba(image)
     except Image.DecompressionBombError:
-        raise LimitExceeded("has too many pixels", field) from None
+        raise LimitExceeded(f"the limit is {max_pixels:,} pixels", field) from None
+    except UnidentifiedImageError:
+        raise InvalidScene(f"is none of {', '.join(formats)}", field) from None
     except MemoryError:
         raise LimitExceeded("does not fit into memory", field) from None
     except LimitExceeded:

@@ -38,7 +38,7 @@ def load_gltf(files: Files, limits: Limits = DEFAULT_LIMITS) -> Scene:
     Returns
     -------
     Scene
-        in world space; `warnings` lists what the file holds that is not shown, and what was repaired
+        in world space; `warnings` lists what is not shown and what was repaired
 
     Raises
     ------
@@ -49,7 +49,13 @@ def load_gltf(files: Files, limits: Limits = DEFAULT_LIMITS) -> Scene:
     LimitExceeded
         larger than `limits`
     """
-    document = read_document(files, limits)
+    try:
+        return _assembled(read_document(files, limits))
+    except MemoryError:
+        raise LimitExceeded("does not fit into memory", files.main) from None
+
+
+def _assembled(document: Document) -> Scene:
     buffers = Buffers(document)
     accessors, textures = Accessors(document, buffers), Textures(document, buffers)
     hierarchy = read_hierarchy(document)
@@ -68,7 +74,7 @@ def load_gltf(files: Files, limits: Limits = DEFAULT_LIMITS) -> Scene:
         textures=textures.all(),
         lights=read_lights(document, hierarchy),
         cameras=read_cameras(document, hierarchy),
-        name=files.main,
+        name=document.files.main,
         warnings=document.journal.warnings(),
     )
 
@@ -91,7 +97,7 @@ def _parts(
     primitives: Primitives,
     materials: tuple[Material, ...],
 ) -> tuple[list[_Part], tuple[Material, ...]]:
-    """What there is to read, its total size within the limits, and the materials with the default."""
+    """What there is to read, within the limits, and the materials with the default if needed."""
     parts: list[_Part] = []
     vertices = triangles = objects = 0
     limits, default = document.limits, len(materials)
@@ -133,6 +139,7 @@ def _filled(parts: list[_Part], primitives: Primitives, materials: tuple[Materia
         shape = primitives.read(part.primitive, part.path)
         normal_map = materials[part.material].normal_texture
         shapes.append(shape if normal_map is None else with_tangents(shape, normal_map))
+        primitives.note_missing_uv(part.primitive, part.path, materials[part.material])
     counts = [len(part.placement.nodes) for part in parts]
     arrays = Arrays.empty(
         sum(n * len(shape.positions) for n, shape in zip(counts, shapes, strict=True)),

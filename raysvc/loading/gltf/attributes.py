@@ -14,6 +14,8 @@ from raysvc.types import Floats, Longs
 LARGEST_COORDINATE = 1e18
 """Squares of coordinates and their products must fit into float32's range, with some room."""
 
+LARGEST_UV = 1e6
+LARGEST_COLOUR = 1e6
 KNOWN = frozenset({"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"})
 _UNIT_TOLERANCE = 0.05
 
@@ -95,7 +97,14 @@ class AttributeReader:
         uv = np.zeros((len(used), 2, 2), np.float32)
         for number in (0, 1):
             if f"TEXCOORD_{number}" in self._attributes:
-                uv[:, number] = self._finite(f"TEXCOORD_{number}", (2,), used)
+                name = f"TEXCOORD_{number}"
+                values = self._values(name, (2,), used)
+                good = (np.abs(values) <= LARGEST_UV).all(axis=1)
+                if not good.all():
+                    self._journal.note(
+                        f"NaN, or beyond {LARGEST_UV:g}: set to 0", self._place(name)
+                    )
+                uv[:, number] = np.where(good[:, None], values, 0)
         return uv
 
     def _colours(self, used: Longs) -> Floats:
@@ -106,9 +115,11 @@ class AttributeReader:
             if self._accessors.is_unnormalised_integer(index):
                 values = values / np.float32(self._accessors.largest(index))
                 self._journal.note("is read as normalised integers", self._place("COLOR_0"))
-            if values.size and values.min() < 0:
-                values = np.maximum(values, 0)
-                self._journal.note("negative colours are set to 0", self._place("COLOR_0"))
+            if values.size and not 0 <= values.min() <= values.max() <= LARGEST_COLOUR:
+                values = np.clip(values, 0, LARGEST_COLOUR)
+                self._journal.note(
+                    f"is brought within 0..{LARGEST_COLOUR:g}", self._place("COLOR_0")
+                )
             colours[:, : values.shape[1]] = values
         return colours
 

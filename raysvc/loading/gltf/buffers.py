@@ -4,7 +4,7 @@ import base64
 import binascii
 import urllib.parse
 
-from raysvc.errors import InvalidScene, LimitExceeded
+from raysvc.errors import InvalidScene
 from raysvc.loading.gltf.document import Document, item
 
 _DATA = "data:"
@@ -82,10 +82,8 @@ def _read_data_uri(uri: str, path: str) -> bytes:
     if not kind.lower().endswith(";base64"):
         return urllib.parse.unquote_to_bytes(body)
     try:
-        if "%" in body:
-            body = urllib.parse.unquote(body)
-        return base64.b64decode(body.encode("ascii"), validate=True)
+        body = urllib.parse.unquote(body).strip() if "%" in body else body.strip()
+        padding = "=" * (-len(body) % 4)
+        return base64.b64decode((body + padding).encode("ascii"), validate=True)
     except (binascii.Error, ValueError) as error:
         raise InvalidScene(f"is not base64: {str(error)[:100]}", path) from None
-    except MemoryError:
-        raise LimitExceeded("does not fit into memory", path) from None

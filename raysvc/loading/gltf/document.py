@@ -20,6 +20,8 @@ from raysvc.loading.gltf.schema import decode
 Item = TypeVar("Item")
 
 _STRING = re.compile(rb'"[^"\\]*+(?:\\.[^"\\]*+)*+"', re.DOTALL)
+# Others are noted where they are read, and only if they are.
+_NOTED_HERE = ("accessors", "buffers", "bufferViews", "cameras", "images", "samplers")
 _VALUES_PER_NODE = 100
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
@@ -53,6 +55,9 @@ def read_document(files: Files, limits: Limits) -> Document:
     gltf = decode(pygltflib.GLTF2, tree, "")
     check_required(gltf)
     note_unsupported(gltf, "document", journal)
+    for name in _NOTED_HERE:
+        for number, part in enumerate(getattr(gltf, name)):
+            note_unsupported(part, f"{name}[{number}]", journal)
     return Document(gltf, files, limits, binary, journal)
 
 

@@ -1,7 +1,7 @@
 """Extensions: which ones are understood, and what they hold."""
 
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import pygltflib
 
@@ -77,7 +77,7 @@ class Spot:
 class Light:
     """One of KHR_lights_punctual's lights."""
 
-    type: str
+    type: Literal["directional", "point", "spot"]
     name: str = ""
     color: list[float] = field(default_factory=lambda: [1.0, 1.0, 1.0])
     intensity: float = 1.0
@@ -120,7 +120,7 @@ def note_unsupported(owner: pygltflib.Property, path: str, journal: Journal) -> 
 def check_required(document: pygltflib.GLTF2) -> None:
     """Raise Unsupported for an extension without which the file cannot be read."""
     for number, name in enumerate(document.extensionsRequired):
-        if name not in SUPPORTED:
+        if name not in SUPPORTED | HARMLESS:
             raise Unsupported(
                 f"the file requires {name[:80]}, which is not supported",
                 f"extensionsRequired[{number}]",

@@ -19,6 +19,10 @@ from raysvc.loading.gltf.textures import Textures
 from raysvc.scene import Material, TextureRef
 from raysvc.scene.material import IDENTITY_UV, Affine, AlphaMode
 
+_BRIGHTEST = 1e9
+_STEEPEST = 1e3
+"""Largest magnitude of a normal map's scale."""
+_LARGEST_AFFINE = 1e6
 _ALPHA_MODES: dict[str, AlphaMode] = {"OPAQUE": "opaque", "MASK": "mask", "BLEND": "blend"}
 
 
@@ -51,7 +55,7 @@ def _read(
         for factor in surface.baseColorFactor
     ]
     emissive = [
-        _within(factor * glow, math.inf, f"{path}.emissiveFactor", journal)
+        _within(factor * glow, _BRIGHTEST, f"{path}.emissiveFactor", journal)
         for factor in material.emissiveFactor
     ]
     normal, occlusion = material.normalTexture, material.occlusionTexture
@@ -66,7 +70,7 @@ def _read(
         alpha_cutoff=0.5 if material.alphaCutoff is None else material.alphaCutoff,
         double_sided=material.doubleSided,
         unlit="KHR_materials_unlit" in (material.extensions or {}),
-        normal_scale=1.0 if normal is None else normal.scale,
+        normal_scale=1.0 if normal is None else min(max(normal.scale, -_STEEPEST), _STEEPEST),
         occlusion_strength=1.0
         if occlusion is None
         else _within(occlusion.strength, 1.0, f"{path}.occlusionTexture.strength", journal),
@@ -96,6 +100,9 @@ class _Slots:
         uv_set = info.texCoord or 0
         placed = extension(TextureTransform, "KHR_texture_transform", info, path)
         affine = IDENTITY_UV if placed is None else _affine(placed)
+        if max(map(abs, affine)) > _LARGEST_AFFINE:
+            where = f"{path}.extensions.KHR_texture_transform"
+            raise InvalidScene(f"moves or scales by more than {_LARGEST_AFFINE:g}", where)
         if placed is not None and placed.texCoord is not None:
             uv_set = placed.texCoord
         if uv_set < 0:

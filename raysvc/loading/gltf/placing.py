@@ -8,7 +8,7 @@ from raysvc.errors import InvalidScene
 from raysvc.loading.gltf.attributes import LARGEST_COORDINATE, Shape
 from raysvc.loading.gltf.directions import unit
 from raysvc.loading.gltf.instances import Placement
-from raysvc.types import Doubles, Floats, Ints
+from raysvc.types import Bools, Doubles, Floats, Ints
 
 _VERTICES_AT_ONCE = 1 << 20
 
@@ -50,8 +50,8 @@ def place(
 ) -> None:
     """Write all instances of `shape` behind one another, from the given vertex and triangle on.
 
-    A mirroring transform turns the winding round, so that counter-clockwise stays the front, and the
-    tangents' handedness. Raises InvalidScene for a position that is too far out.
+    A mirroring transform turns the winding round, so that counter-clockwise stays the front, and
+    the tangents' handedness. Raises InvalidScene for a position that is too far out.
     """
     vertices, triangles = len(shape.positions), len(shape.triangles)
     mirrored = determinants(placement.world) < 0
@@ -77,13 +77,17 @@ def place(
 
 def determinants(world: Doubles) -> Doubles:
     """Return (N,) determinants of the 3x3 parts, divided by the cube of their largest entries."""
+    x, y, z = np.moveaxis(_linear(world), 2, 0)
+    determinant: Doubles = np.einsum("nk,nk->n", x, np.cross(y, z))
+    return determinant
+
+
+def _linear(world: Doubles) -> Doubles:
+    """(N, 3, 3) the linear parts divided by their largest entries, so that nothing overflows."""
     linear = world[:, :3, :3]
     largest = np.abs(linear).max(axis=(1, 2), keepdims=True)
-    scaled = linear / np.where(largest > 0, largest, 1.0)
-    determinant: Doubles = np.einsum(
-        "nk,nk->n", scaled[:, :, 0], np.cross(scaled[:, :, 1], scaled[:, :, 2])
-    )
-    return determinant
+    scaled: Doubles = linear / np.where(largest > 0, largest, 1.0)
+    return scaled
 
 
 def _positions(shape: Shape, world: Doubles) -> Doubles:
@@ -102,11 +106,9 @@ def _check_reach(positions: Doubles, placement: Placement, begin: int) -> None:
         )
 
 
-def _normals(shape: Shape, world: Doubles, flipped: np.ndarray) -> Floats:
+def _normals(shape: Shape, world: Doubles, flipped: Bools) -> Floats:
     """Normals go by the inverse transpose, which is the cofactors up to the determinant's sign."""
-    linear = world[:, :3, :3]
-    largest = np.abs(linear).max(axis=(1, 2), keepdims=True)
-    x, y, z = np.moveaxis(linear / np.where(largest > 0, largest, 1.0), 2, 0)
+    x, y, z = np.moveaxis(_linear(world), 2, 0)
     cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=2)
     cofactors[flipped] *= -1
     turned = shape.normals.astype(np.float64) @ np.swapaxes(cofactors, 1, 2)
@@ -115,12 +117,12 @@ def _normals(shape: Shape, world: Doubles, flipped: np.ndarray) -> Floats:
     return normals.astype(np.float32)
 
 
-def _tangents(shape: Shape, world: Doubles, flipped: np.ndarray) -> Floats:
+def _tangents(shape: Shape, world: Doubles, flipped: Bools) -> Floats:
     made = np.zeros((len(world), len(shape.positions), 4), np.float32)
     if not shape.tangents.any():
         return made.reshape(-1, 4)
     local = shape.tangents[:, :3].astype(np.float64)
-    turned = local @ np.swapaxes(world[:, :3, :3], 1, 2)
+    turned = local @ np.swapaxes(_linear(world), 1, 2)
     directions, good = unit(turned.reshape(-1, 3))
     made[:, :, :3] = directions.reshape(turned.shape)
     sign = np.where(flipped, -1.0, 1.0)[:, None] * shape.tangents[None, :, 3]

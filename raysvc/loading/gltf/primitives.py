@@ -9,6 +9,7 @@ from raysvc.loading.gltf.accessors import Accessors
 from raysvc.loading.gltf.attributes import KNOWN, AttributeReader, Shape
 from raysvc.loading.gltf.document import Document, item
 from raysvc.loading.gltf.extensions import note_unsupported
+from raysvc.scene import Material
 
 
 class Primitives:
@@ -57,6 +58,16 @@ class Primitives:
             primitive.attributes, path, self._accessors, self._document.journal
         )
         return reader.read(triangles)
+
+    def note_missing_uv(
+        self, primitive: pygltflib.Primitive, path: str, material: Material
+    ) -> None:
+        """Warn where the material reads texture coordinates that the primitive does not have."""
+        for ref in material.texture_refs():
+            if ref is not None and f"TEXCOORD_{ref.uv_set}" not in primitive.attributes:
+                self._document.journal.note(
+                    f"has no TEXCOORD_{ref.uv_set}, which its material reads", path
+                )
 
     def note_missing(self, primitive: pygltflib.Primitive, path: str) -> None:
         """Warn of everything of a primitive that will not be seen."""

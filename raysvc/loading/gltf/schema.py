@@ -9,7 +9,7 @@ import types
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, fields
 from functools import cache
-from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import pygltflib
 
@@ -84,6 +84,7 @@ def _plan(kind: Any) -> tuple[_Field, ...]:
         hint, optional = _without_none(hints[each.name])
         without_default = each.default in (None, MISSING) and each.default_factory is MISSING
         required = without_default and not optional and name not in _OPTIONAL
+        required |= hint is pygltflib.Attributes
         check = _unchecked if each.name in _UNCHECKED else _check_of(hint, _LENGTHS.get(name))
         plan.append(_Field(each.name, check, required))
     return tuple(plan)
@@ -103,6 +104,8 @@ def _check_of(hint: Any, length: int | None) -> Check:
         return _attributes
     if get_origin(hint) is dict:
         return _object
+    if get_origin(hint) is Literal:
+        return _one_of(get_args(hint))
     if hint in _SCALARS:
         return _SCALARS[hint]
 
@@ -123,6 +126,15 @@ def _list_of(check: Check, length: int | None) -> Check:
         return [check(each, f"{path}[{number}]") for number, each in enumerate(value)]
 
     return check_list
+
+
+def _one_of(words: tuple[str, ...]) -> Check:
+    def check_word(value: object, path: str) -> Any:
+        if value not in words:
+            raise InvalidScene(f"is not one of {', '.join(words)}", path)
+        return value
+
+    return check_word
 
 
 def _unchecked(value: object, path: str) -> Any:

@@ -6,6 +6,7 @@ import numpy as np
 import pygltflib
 
 from raysvc.errors import InvalidScene
+from raysvc.loading.gltf.attributes import LARGEST_COORDINATE
 from raysvc.loading.gltf.directions import unit
 from raysvc.loading.gltf.document import Document, item
 from raysvc.loading.gltf.extensions import Light, LightOfNode, Lights, Spot, extension
@@ -15,6 +16,7 @@ from raysvc.scene import PunctualLight, SceneCamera
 from raysvc.types import Doubles
 
 _EXTENSION = "KHR_lights_punctual"
+_BRIGHTEST = 1e12
 
 
 def read_cameras(document: Document, hierarchy: Hierarchy) -> tuple[SceneCamera, ...]:
@@ -57,6 +59,8 @@ def _camera(camera: pygltflib.Camera, path: str, world: Doubles, name: str) -> S
 
 def rigid(world: Doubles, path: str, journal: Journal) -> Doubles:
     """Return (4, 4) the transform without scale, shear and mirroring: Z is kept, Y nearly."""
+    if np.abs(world[:3, 3]).max() > LARGEST_COORDINATE:
+        raise InvalidScene(f"stands beyond {LARGEST_COORDINATE:g}", path)
     axes, good = unit(world[:3, :3].T)
     backward = axes[2]
     right, right_good = unit(np.cross(axes[1], backward)[None])
@@ -94,8 +98,6 @@ def read_lights(document: Document, hierarchy: Hierarchy) -> tuple[PunctualLight
 
 def _light(light: Light, path: str, world: Doubles, node_name: str) -> PunctualLight:
     kind = light.type
-    if kind not in ("directional", "point", "spot"):
-        raise InvalidScene("is not directional, point or spot", f"{path}.type")
     if light.intensity < 0 or min(light.color) < 0:
         raise InvalidScene("is negative", f"{path}.intensity")
     if light.range is not None and light.range <= 0:
@@ -104,7 +106,7 @@ def _light(light: Light, path: str, world: Doubles, node_name: str) -> PunctualL
     if not 0 <= spot.innerConeAngle < spot.outerConeAngle <= math.pi / 2 + 1e-6:
         raise InvalidScene("needs 0 <= inner < outer <= pi / 2", f"{path}.spot")
     red, green, blue = (channel * light.intensity for channel in light.color)
-    if not all(map(math.isfinite, (red, green, blue))):
+    if max(red, green, blue) > _BRIGHTEST:
         raise InvalidScene("is too large", f"{path}.intensity")
     x, y, z = world[:3, 3].tolist()
     dx, dy, dz = (-world[:3, 2]).tolist()
