@@ -4,11 +4,13 @@ Work is cut into chunks whose size never depends on the number of threads, and a
 slots: that is why a picture is the same with any number of threads.
 """
 
+import copy
 import os
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from typing import TypeVar
 
 from raysvc.errors import Cancelled, DeadlineExceeded
 
@@ -36,6 +38,15 @@ class Control:
         self._deadline = None if deadline_s is None else time.monotonic() + deadline_s
         self._on_progress = on_progress
         self._cancelled = threading.Event()
+
+    def limited(self, threads: int | None, deadline_s: float | None) -> "Control":
+        """Return this control with fewer or more threads, and no later deadline than it has."""
+        other = copy.copy(self)
+        other.threads = threads or self.threads
+        if deadline_s is not None:
+            deadline = time.monotonic() + deadline_s
+            other._deadline = deadline if self._deadline is None else min(deadline, self._deadline)
+        return other
 
     def cancel(self) -> None:
         """Ask the work to stop at its next check."""
@@ -98,3 +109,23 @@ def for_chunks(
     for future in futures:
         if not future.cancelled():
             future.result()
+
+
+Result = TypeVar("Result")
+
+
+def map_chunks(
+    count: int,
+    chunk: int,
+    work: Callable[[int, int], Result],
+    control: Control,
+    stage: str = "",
+) -> list[Result]:
+    """Return `work(begin, end)` for consecutive ranges, in their order; see `for_chunks`."""
+    results: dict[int, Result] = {}
+
+    def keep(begin: int, end: int) -> None:
+        results[begin] = work(begin, end)
+
+    for_chunks(count, chunk, keep, control, stage)
+    return [results[begin] for begin in sorted(results)]

@@ -1,8 +1,11 @@
 """N points of surfaces with everything that light needs to know about them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
-from raysvc.types import Bools, Floats
+import numpy as np
+
+from raysvc.types import Bools, Floats, Longs
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,6 +51,17 @@ class Surface:
 
     def __len__(self) -> int:
         return len(self.position)
+
+    @staticmethod
+    def joined(parts: Sequence["Surface"]) -> "Surface":
+        """Return the points of one or more parts, one after the other."""
+        return Surface(
+            **{f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Surface)}
+        )
+
+    def chosen(self, index: Longs | Bools) -> "Surface":
+        """Return some points, as copies."""
+        return Surface(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
 
     def rows(self, begin: int, end: int) -> "Surface":
         """Return points begin..end as views, without a copy."""

@@ -1,0 +1,104 @@
+"""From a camera to the points that its pixels show: by rasterising all of them, or by rays for a few."""
+
+import numpy as np
+
+from raysvc.accel.base import Hits, Rays, Triangles, hits_on
+from raysvc.frame.points import Points
+from raysvc.frame.prepared import Prepared
+from raysvc.parallel import Control, map_chunks
+from raysvc.raster.rasterise import Raster
+from raysvc.raster.spans import Fragments
+from raysvc.scene import Camera
+from raysvc.shading.surface import Surface
+from raysvc.types import Bools, Ints, Longs
+
+CHUNK = 1 << 14
+
+
+def rasterised(prepared: Prepared, camera: Camera, control: Control) -> tuple[Longs, Ints]:
+    """Pixel (N,) and triangle (N,) of everything visible, by pixel and then by distance.
+
+    Masked triangles are resolved where they are not cut out; blended ones are all kept.
+    """
+    tables = prepared.tables
+    raster = Raster(prepared.scene, tables.solid, tables.double_sided, camera, control)
+    masked = np.flatnonzero(~tables.solid & ~tables.blended).astype(np.int32)
+    raster.add(_covering(prepared, camera, raster.nearer_fragments(masked), control))
+    blended = np.flatnonzero(tables.blended).astype(np.int32)
+    layers = _covering(prepared, camera, raster.nearer_fragments(blended), control)
+    visible = raster.visible()
+    covered = np.flatnonzero(visible >= 0)
+    order = np.lexsort((layers.key, layers.pixel))
+    pixel = np.concatenate([layers.pixel[order], covered])
+    triangle = np.concatenate([layers.triangle[order], visible[covered]])
+    by_pixel = np.argsort(pixel, kind="stable")
+    return pixel[by_pixel], triangle[by_pixel]
+
+
+def _covering(
+    prepared: Prepared, camera: Camera, found: Fragments, control: Control
+) -> Fragments:
+    """Those fragments at which the material is not cut out or wholly transparent."""
+
+    def covers(begin: int, end: int) -> Bools:
+        hits = _hits(prepared, camera, found.pixel[begin:end], found.triangle[begin:end])
+        return prepared.tables.alpha(hits.triangle, hits.barycentric) > 0
+
+    parts = map_chunks(len(found.pixel), CHUNK, covers, control)
+    kept = np.concatenate(parts) if parts else np.zeros(0, np.bool_)
+    return Fragments(found.pixel[kept], found.triangle[kept], found.key[kept])
+
+
+def _hits(prepared: Prepared, camera: Camera, pixel: Longs, triangle: Ints) -> Hits:
+    origins, directions = camera.rays(pixel)
+    rays = Rays(origins, directions, np.full(len(pixel), np.inf, np.float32))
+    scene = prepared.scene
+    return hits_on(Triangles(scene.positions, scene.triangles), triangle, rays)
+
+
+def points_of(
+    prepared: Prepared,
+    camera: Camera,
+    pixel: Longs,
+    triangle: Ints,
+    texture_filter: str,
+    control: Control,
+    stage: str = "",
+) -> Points:
+    """Evaluate what was rasterised: pixel (N,) shows triangle (N,)."""
+
+    def some(begin: int, end: int) -> Points:
+        hits = _hits(prepared, camera, pixel[begin:end], triangle[begin:end])
+        return _evaluated(prepared, camera, pixel[begin:end], hits, texture_filter)
+
+    parts = map_chunks(len(pixel), CHUNK, some, control, stage)
+    if not parts:
+        parts = [some(0, 0)]
+    return Points(
+        pixel,
+        triangle,
+        np.concatenate([part.depth for part in parts]),
+        np.concatenate([part.footprint for part in parts]),
+        Surface.joined([part.surface for part in parts]),
+    )
+
+
+def traced(prepared: Prepared, camera: Camera, pixel: Longs, texture_filter: str) -> Points:
+    """The points that a few pixels (P,), in ascending order, show, found by rays."""
+    origins, directions = camera.rays(pixel)
+    rays = Rays(origins, directions, np.full(len(pixel), np.inf, np.float32))
+    ray, hits = prepared.world.along(rays)
+    return _evaluated(prepared, camera, pixel[ray], hits, texture_filter)
+
+
+def _evaluated(
+    prepared: Prepared, camera: Camera, pixel: Longs, hits: Hits, texture_filter: str
+) -> Points:
+    _, directions = camera.rays(pixel)
+    depth = hits.t * (directions @ camera.forward.astype(np.float32))
+    metres = np.float32(camera.metres_per_pixel_at_unit_depth)
+    footprint = depth * metres if camera.projection == "perspective" else np.full_like(depth, metres)
+    surface = prepared.tables.surface(
+        hits.triangle, hits.barycentric, directions, footprint, texture_filter
+    )
+    return Points(pixel, hits.triangle, depth, footprint, surface)

@@ -1,0 +1,111 @@
+"""Scene, environment, camera, settings in; frame out."""
+
+import functools
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from raysvc.builtin import BUILTIN_ENVIRONMENTS
+from raysvc.frame.frame import Frame
+from raysvc.frame.points import footprint_spread
+from raysvc.frame.prepared import prepare
+from raysvc.frame.radiance import Illumination
+from raysvc.frame.settings import Settings, checked, settings_from
+from raysvc.frame.stages import STAGES, Draft
+from raysvc.frame.statistics import Ledger, Statistics
+from raysvc.frame.view import View, camera_from
+from raysvc.limits import DEFAULT_LIMITS, Limits
+from raysvc.parallel import Control
+from raysvc.scene import Environment, Scene
+from raysvc.version import VERSION
+
+DEFAULT_ENVIRONMENT = "clear_sky"
+OCCLUSION_OF_DIAGONAL = 0.25
+"""How far ambient occlusion reaches by default, as a part of the scene's diagonal."""
+
+
+def render(
+    scene: Scene,
+    environment: Environment | None = None,
+    camera: View | Mapping[str, Any] | None = None,
+    settings: Settings | Mapping[str, Any] | None = None,
+    *,
+    control: Control | None = None,
+    limits: Limits = DEFAULT_LIMITS,
+) -> Frame:
+    """Render one frame.
+
+    Parameters
+    ----------
+    scene, environment
+        what `raysvc.load` and `raysvc.load_environment` return; without an environment, a clear sky
+    camera
+        a `View` or its fields; without one, the scene's bounds are framed
+    settings
+        `Settings` or some of them
+    control
+        to stop the work and hear of its progress; its threads and deadline give way to the settings'
+
+    The same arguments give the same bytes, whatever the number of threads. Tables and structures of a scene
+    and environment are kept as long as those objects live, so a second frame is faster.
+
+    Raises InvalidSetting, Unavailable, Cancelled, DeadlineExceeded.
+    """
+    settings = settings_from(settings)
+    view = camera if isinstance(camera, View) else checked(View, camera or {}, "camera")
+    resolved = camera_from(view, scene, limits)
+    control = (control or Control()).limited(settings.threads, settings.deadline_s)
+    if environment is None:
+        environment = default_environment()
+
+    ledger = Ledger()
+    with ledger.stage("prepare"):
+        control.progress("prepare", 0.0)
+        prepared = prepare(
+            scene,
+            environment,
+            settings.structure,
+            settings.environment_yaw_deg,
+            settings.environment_strength,
+        )
+    perspective = resolved.projection == "perspective"
+    illumination = Illumination(
+        prepared,
+        settings,
+        settings.occlusion_radius or _occlusion_radius(scene),
+        footprint_spread(resolved.half_height, resolved.height, perspective),
+        ledger,
+    )
+    draft = Draft(prepared, resolved, settings, control, ledger, illumination)
+    for name, stage in STAGES:
+        control.check()
+        with ledger.stage(name):
+            stage(draft)
+    statistics = Statistics(
+        width=resolved.width,
+        height=resolved.height,
+        triangles=len(scene.triangles),
+        structure=prepared.world.structure,
+        threads=control.threads,
+        stages=ledger.stages,
+        total_seconds=ledger.total_seconds,
+        rays=ledger.rays,
+        build={"seconds": prepared.seconds, "cached": prepared.cached},
+        edge_fraction=ledger.edge_fraction,
+        max_coc_px=ledger.max_coc_px,
+        warnings=(*scene.warnings, *environment.warnings, *ledger.warnings),
+        renderer_version=VERSION,
+    )
+    return Frame({"beauty": draft.beauty, **draft.layers}, statistics, settings)
+
+
+@functools.cache
+def default_environment() -> Environment:
+    """Return the environment of frames that were given none; one object, so that its tables are kept."""
+    return BUILTIN_ENVIRONMENTS[DEFAULT_ENVIRONMENT]()
+
+
+def _occlusion_radius(scene: Scene) -> float:
+    low, high = scene.bounds()
+    return OCCLUSION_OF_DIAGONAL * float(np.linalg.norm(high - low)) or 1.0

@@ -1,0 +1,45 @@
+"""Which pixels lie on an edge of what is seen, so that only those get more samples."""
+
+import numpy as np
+
+from raysvc.types import Bools, Floats, Ints
+
+SAME_NORMAL = 0.9
+"""Neighbours whose normals' cosine is less are on different faces."""
+DEPTH_BEND = 0.01
+"""Second difference of depth, as a part of the depth, above which it is a step: slanted planes have none."""
+
+
+def edge_mask(part: Ints, depth: Floats, normal: Floats) -> Bools:
+    """(H, W) bool: pixels next to which the part, the normal or the depth changes suddenly.
+
+    Parameters
+    ----------
+    part
+        (H, W) int32 number of the object and material that a pixel shows, -1 for none
+    depth
+        (H, W) float32 along the view axis, inf for none
+    normal
+        (H, W, 3) float32 unit shading normals
+    """
+    mask = np.zeros(part.shape, np.bool_)
+    for axis in (0, 1):
+        near = (slice(None, -1), slice(None)) if axis == 0 else (slice(None), slice(None, -1))
+        far = (slice(1, None), slice(None)) if axis == 0 else (slice(None), slice(1, None))
+        cosine = np.einsum("hwk,hwk->hw", normal[near], normal[far])
+        differs = (part[near] != part[far]) | ((cosine < SAME_NORMAL) & (part[near] >= 0))
+        mask[near] |= differs
+        mask[far] |= differs
+        mask |= _depth_steps(depth, axis)
+    return mask
+
+
+def _depth_steps(depth: Floats, axis: int) -> Bools:
+    """Pixels whose depth is not near the mean of its two neighbours along an axis, and those neighbours."""
+    finite = np.where(np.isfinite(depth), depth, 0.0).astype(np.float64)
+    z = np.moveaxis(finite, axis, 0)
+    bend = np.abs(z[:-2] + z[2:] - 2.0 * z[1:-1]) > DEPTH_BEND * z[1:-1]
+    seen = (z[:-2] > 0) & (z[1:-1] > 0) & (z[2:] > 0)
+    found = np.zeros(z.shape, np.bool_)
+    found[1:-1] = bend & seen
+    return np.moveaxis(found, 0, axis)

@@ -1,0 +1,26 @@
+"""The ray that continues from a shiny point."""
+
+import numpy as np
+
+from raysvc.accel.base import Rays
+from raysvc.shading.surface import Surface
+from raysvc.tracing.offset_kernels import offset_origins
+from raysvc.types import Floats
+
+
+def mirror_rays(surface: Surface) -> Rays:
+    """Rays (N) reflected about the shading normal; one that would go below the triangle is turned above it."""
+    cosine = np.einsum("nk,nk->n", surface.normal, surface.view)[:, None]
+    directions = 2.0 * cosine * surface.normal - surface.view
+    above = np.einsum("nk,nk->n", surface.geometric_normal, directions)[:, None]
+    directions -= np.minimum(2.0 * above, 0.0) * surface.geometric_normal
+    directions /= np.sqrt(np.einsum("nk,nk->n", directions, directions))[:, None]
+    return rays_from(surface, directions, np.full(len(surface), np.inf, np.float32))
+
+
+def rays_from(surface: Surface, directions: Floats, t_max: Floats) -> Rays:
+    """Rays (N) that leave the surface without meeting it, on the side into which they go."""
+    directions = np.ascontiguousarray(directions, np.float32)
+    origins = np.empty_like(directions)
+    offset_origins(surface.position, surface.geometric_normal, directions, origins)
+    return Rays(origins, directions, np.ascontiguousarray(t_max, np.float32))

@@ -1,0 +1,167 @@
+"""Every ray's questions about one scene: what is first along it, and how much light comes through."""
+
+import numpy as np
+
+from raysvc.accel.base import Hits, Rays, Triangles, hits_on
+from raysvc.accel.registry import build, choose
+from raysvc.scene import Scene
+from raysvc.shading.scene_tables import SceneTables
+from raysvc.types import Bools, Floats, Ints, Longs
+
+MAX_HOLES = 64
+"""Triangles with holes that one ray may pass through; light behind more of them is lost."""
+HALF_SEEN = 0.5
+"""A blended surface that covers at least this much is what a reflection shows; others it sees through."""
+STEP_OF_T = 1e-4
+"""A ray goes on behind a hole a little beyond it, by this part of the way it has come."""
+
+
+class World:
+    """A scene's triangles in acceleration structures.
+
+    Triangles with holes (of masked or blended materials) are in a structure of their own: the others,
+    usually nearly all, are then asked once and with the cheapest question.
+    """
+
+    def __init__(self, scene: Scene, tables: SceneTables, structure: str) -> None:
+        """Build `structure`, a name of the registry or `auto`."""
+        self.structure = choose(structure)
+        self._tables = tables
+        self._triangles = Triangles(scene.positions, scene.triangles)
+        self._solid = _Part(self._triangles, tables.solid, self.structure)
+        holed = ~tables.solid
+        self._holed = _Part(self._triangles, holed, self.structure) if holed.any() else None
+        parts = [self._solid] if self._holed is None else [self._solid, self._holed]
+        self.build_seconds = sum(part.tree.report.seconds for part in parts)
+
+    def nearest(self, rays: Rays) -> Hits:
+        """Nearest hits that can be seen: through holes, and through blends that cover less than half."""
+        hits = hits_on(self._triangles, self._solid.nearest_triangle(rays), rays)
+        if self._holed is None:
+            return hits
+        t, triangle, barycentric = hits.t, hits.triangle, hits.barycentric
+        limit = np.minimum(rays.t_max, t)
+        begin = np.zeros(len(rays), np.float32)
+        active = np.arange(len(rays))
+        for _ in range(MAX_HOLES):
+            found, alpha = self._next_holed(rays, active, begin, limit)
+            met = found.triangle >= 0
+            stops = met & (alpha >= HALF_SEEN)
+            at = active[stops]
+            t[at] = begin[at] + found.t[stops]
+            triangle[at] = found.triangle[stops]
+            barycentric[at] = found.barycentric[stops]
+            active = _go_on(active, begin, found.t, met & ~stops)
+            if not len(active):
+                break
+        return Hits(t, triangle, barycentric)
+
+    def along(self, rays: Rays) -> tuple[Longs, Hits]:
+        """Everything that a camera's rays show, up to and with the first surface that hides the rest.
+
+        Single-sided triangles are not seen from behind and masked ones not where they are cut out.
+
+        Returns
+        -------
+        (N,) number of the ray of each hit, and the N hits, in order along each ray
+        """
+        found: list[tuple[Longs, Hits]] = []
+        begin = np.zeros(len(rays), np.float32)
+        active = np.arange(len(rays))
+        for _ in range(MAX_HOLES):
+            some = Rays(
+                rays.origins[active] + rays.directions[active] * begin[active, None],
+                rays.directions[active],
+                rays.t_max[active] - begin[active],
+            )
+            hits = self._nearest_of_all(some)
+            met = hits.triangle >= 0
+            seen = met & ~self._from_behind(some.directions, hits.triangle)
+            alpha = self._tables.alpha(hits.triangle, hits.barycentric)
+            kept = seen & (alpha > 0)
+            whole = Hits(
+                begin[active[kept]] + hits.t[kept], hits.triangle[kept], hits.barycentric[kept]
+            )
+            found.append((active[kept], whole))
+            active = _go_on(active, begin, hits.t, met & ~(kept & (alpha >= 1)))
+            if not len(active):
+                break
+        ray = np.concatenate([part for part, _ in found])
+        order = np.argsort(ray, kind="stable")
+        return ray[order], Hits(
+            np.concatenate([hits.t for _, hits in found])[order],
+            np.concatenate([hits.triangle for _, hits in found])[order],
+            np.concatenate([hits.barycentric for _, hits in found])[order],
+        )
+
+    def _nearest_of_all(self, rays: Rays) -> Hits:
+        """Nearest triangle of either structure, whatever it is made of."""
+        hits = hits_on(self._triangles, self._solid.nearest_triangle(rays), rays)
+        if self._holed is None:
+            return hits
+        other = hits_on(self._triangles, self._holed.nearest_triangle(rays), rays)
+        nearer = other.t < hits.t
+        return Hits(
+            np.where(nearer, other.t, hits.t),
+            np.where(nearer, other.triangle, hits.triangle),
+            np.where(nearer[:, None], other.barycentric, hits.barycentric),
+        )
+
+    def _from_behind(self, directions: Floats, triangle: Ints) -> Bools:
+        """(R,) bool: the triangle is single-sided and its back is towards the ray."""
+        corners = self._triangles.positions[self._triangles.indices[triangle]].astype(np.float64)
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        behind = np.einsum("nk,nk->n", across, directions) > 0
+        return behind & ~self._tables.double_sided[triangle]
+
+    def transmittance(self, rays: Rays) -> Floats:
+        """(R,) float32: the part of the light that comes through along each ray within 0..t_max."""
+        through = np.where(self._solid.tree.occluded(rays), 0.0, 1.0).astype(np.float32)
+        if self._holed is None:
+            return through
+        begin = np.zeros(len(rays), np.float32)
+        active = np.flatnonzero(through > 0)
+        for _ in range(MAX_HOLES):
+            found, alpha = self._next_holed(rays, active, begin, rays.t_max)
+            met = found.triangle >= 0
+            through[active[met]] *= 1.0 - alpha[met]
+            active = _go_on(active, begin, found.t, met & (through[active] > 0))
+            if not len(active):
+                break
+        return through
+
+    def _next_holed(
+        self, rays: Rays, active: Longs, begin: Floats, limit: Floats
+    ) -> tuple[Hits, Floats]:
+        """Nearest holed triangle of the active rays beyond `begin`, with t from there, and its coverage."""
+        assert self._holed is not None
+        some = Rays(
+            rays.origins[active] + rays.directions[active] * begin[active, None],
+            rays.directions[active],
+            limit[active] - begin[active],
+        )
+        hits = hits_on(self._triangles, self._holed.nearest_triangle(some), some)
+        return hits, self._tables.alpha(hits.triangle, hits.barycentric)
+
+
+def _go_on(active: Longs, begin: Floats, t: Floats, onward: Bools) -> Longs:
+    """Move `begin` of the rays that go on behind what they met, in place, and return those rays."""
+    rest = active[onward]
+    begin[rest] = (begin[rest] + t[onward]) * np.float32(1 + STEP_OF_T)
+    return rest
+
+
+class _Part:
+    """A structure over some of a scene's triangles, answering with their numbers in the scene."""
+
+    def __init__(self, triangles: Triangles, chosen: Bools, structure: str) -> None:
+        self._number = np.flatnonzero(chosen).astype(np.int32)
+        self._is_all = len(self._number) == len(triangles.indices)
+        self.tree = build(structure, Triangles(triangles.positions, triangles.indices[chosen]))
+
+    def nearest_triangle(self, rays: Rays) -> Ints:
+        """(R,) int32: number in the scene of the nearest triangle, or -1."""
+        found = self.tree.nearest_triangle(rays)
+        if self._is_all or not len(self._number):
+            return found
+        return np.where(found >= 0, self._number[found], np.int32(-1))
