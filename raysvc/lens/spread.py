@@ -5,7 +5,6 @@ rectangle spreading" (Graphics Interface 2009): a square is a few differences at
 two running sums draw all squares at once, so that the cost does not depend on how large they are.
 """
 
-import math
 from collections.abc import MutableSequence
 
 import numpy as np
@@ -13,16 +12,13 @@ import numpy as np
 from raysvc.errors import InvalidInput
 from raysvc.lens.fill import fill_holes
 from raysvc.lens.slices import sliced, square_side_px
-from raysvc.lens.spread_kernels import add_squares, integrate, lay_over
+from raysvc.lens.spread_kernels import lay_over
+from raysvc.lens.squares import Squares, planes
 from raysvc.parallel import Control, for_chunks
 from raysvc.types import Floats
 
 LARGEST_VALUE = 2.0**40
 """Brighter pixels are limited to it, so that fixed point still resolves 1e-5 beside them."""
-
-SUM_BITS = 62
-HEADROOM_BITS = 6
-"""Squares of all sizes around a point weigh at most about 2 ln(picture's side), less than 2^6."""
 
 KNOWN_PER_WEIGHT = 2.0
 """At a straight silhouette half of the squares are hidden: half the weight is full knowledge."""
@@ -67,70 +63,21 @@ def spread(
     if slices.sharp.all():
         return rgba
     rgba = limited(rgba, warnings)
-    values = planes(rgba)
+    squares = Squares(planes(rgba), side, control)
 
     # Back to front: what is behind the focus, what is in focus, what is nearer.
     picture = np.zeros_like(rgba)
     known = np.zeros(side.shape, np.float32)
     for membership in (slices.far, slices.behind):
         if membership is not None:
-            _lay(spread_slice(values, membership, side, control), picture, known, control)
+            _lay(squares.spread(membership), picture, known, control)
     np.copyto(picture, rgba, where=slices.sharp[..., None])
     known[slices.sharp] = 1.0
     if slices.near is not None:
         if fill_holes(picture, known):
             known[:] = 1.0
-        _lay(spread_slice(values, slices.near, side, control), picture, known, control)
+        _lay(squares.spread(slices.near), picture, known, control)
     return picture
-
-
-def planes(rgba: Floats) -> Floats:
-    """Return what is spread of a picture (H, W, 4): (5, H, W) red, green, blue, alpha, ones.
-
-    Of an opaque picture only (4, H, W) red, green, blue, ones: the ones are its alpha.
-    """
-    opaque = bool((rgba[..., 3] == 1.0).all())
-    out = np.ones((4 if opaque else 5, *rgba.shape[:2]), np.float32)
-    out[:-1] = np.moveaxis(rgba, 2, 0)[: len(out) - 1]
-    return out
-
-
-def spread_slice(values: Floats, membership: Floats, side_px: Floats, control: Control) -> Floats:
-    """Spread the pixels of one slice, each times its membership, without normalising.
-
-    Parameters
-    ----------
-    values
-        (C, H, W) float32, the last of them ones (`planes`)
-    membership
-        (H, W) float32, 0..1
-    side_px
-        (H, W) float32, at most twice the smaller of H and W
-
-    Returns
-    -------
-    (C, H, W) float32. Totals are kept: what would leave the picture is mirrored at its border.
-    """
-    height, width = side_px.shape
-    sums = np.empty_like(values)
-
-    def work(begin: int, end: int) -> None:
-        for value, out in zip(values[begin:end], sums[begin:end], strict=True):
-            scale = fixed_point_scale(value)
-            deltas = np.zeros((height + 2, width + 2), np.int64)
-            add_squares(value, membership, side_px, scale, deltas)
-            integrate(deltas, scale, np.zeros(width, np.int64), out)
-
-    # Channels do not share sums, so one channel per thread needs neither locks nor copies.
-    for_chunks(len(values), 1, work, control)
-    return sums
-
-
-def fixed_point_scale(values: Floats) -> float:
-    """Return the largest power of two at which no sum of squares of these values can overflow."""
-    largest = float(np.abs(values).max())
-    _, exponent = math.frexp(largest)
-    return math.ldexp(1.0, SUM_BITS - HEADROOM_BITS - (exponent if largest > 0 else 0))
 
 
 def limited(rgba: Floats, warnings: MutableSequence[str] | None = None) -> Floats:

@@ -96,7 +96,7 @@ def add_squares(
 def integrate(deltas: Longs, scale: float, column: Longs, out: Floats) -> None:
     """Sum second differences (H + 2, W + 2) int64 along both axes into out (H, W) float32.
 
-    column: (W,) int64 zeros, working space.
+    deltas: zero on return, ready for another picture. column: (W,) int64 zeros, working space.
     """
     height, width = out.shape
     unit = 1.0 / scale
@@ -106,6 +106,8 @@ def integrate(deltas: Longs, scale: float, column: Longs, out: Floats) -> None:
             running += deltas[y, x]
             column[x] += running
             out[y, x] = column[x] * unit
+        deltas[y] = 0
+    deltas[height:] = 0
 
 
 @kernel

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from raysvc.errors import Cancelled, InvalidInput
 from raysvc.lens.slices import sliced, square_side_px
-from raysvc.lens.spread import LARGEST_VALUE, planes, spread, spread_slice
+from raysvc.lens.spread import LARGEST_VALUE, spread
+from raysvc.lens.squares import Squares, planes
 from raysvc.parallel import Control
 from tests.oracles import spread as slow
 
@@ -32,7 +33,7 @@ def test_a_slice_equals_squares_drawn_pixel_by_pixel(seed, largest, opaque):
     side = np.maximum(square_side_px(coc), 1)
     membership = rng.random(side.shape).astype(np.float32)
     values = planes(rgba)
-    fast = spread_slice(values, membership, side, Control(threads=1))
+    fast = Squares(values, side, Control(threads=1)).spread(membership)
     expected = slow.splat(values.astype(float), membership, side.astype(float))
     assert np.abs(fast - expected).max() <= 1e-5 * max(1.0, expected.max())
 
@@ -46,13 +47,22 @@ def test_the_picture_behind_the_focus_equals_its_slow_twin(seed, opaque):
     assert np.abs(spread(rgba, coc) - expected).max() <= 1e-5 * max(1.0, expected.max())
 
 
+def test_a_second_slice_does_not_see_the_first(rng):
+    side = np.maximum(square_side_px(random_coc(rng)), 1)
+    membership = rng.random(side.shape).astype(np.float32)
+    squares = Squares(planes(random_picture(rng)), side, Control(threads=2))
+    first = squares.spread(membership).copy()
+    squares.spread(1 - membership)
+    assert np.array_equal(squares.spread(membership), first)
+
+
 @settings(deadline=None, max_examples=50)
 @given(SEEDS, st.floats(1.0, 500.0))
 def test_a_slice_keeps_the_total_light(seed, largest):
     rng = np.random.default_rng(seed)
     values = planes(random_picture(rng))
     side = np.maximum(square_side_px(random_coc(rng, largest=largest)), 1)
-    sums = spread_slice(values, np.ones_like(side), side, Control(threads=1))
+    sums = Squares(values, side, Control(threads=1)).spread(np.ones_like(side))
     before, after = (array.sum(axis=(1, 2), dtype=float) for array in (values, sums))
     assert after == pytest.approx(before, rel=1e-6)
 
