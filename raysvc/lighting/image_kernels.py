@@ -1,0 +1,184 @@
+"""Light from an environment: the lobes' integrals over points, by filtered importance sampling.
+
+A lobe is cut into equally likely parts. Each part is one lookup: a box around the part's direction, of the solid
+angle that the part has (Krivanek and Colbert 2008, with boxes of a summed-area table for mip levels). The
+sum is normalised by the sum of weights and scaled by the lobe's exact albedo, so that constant light is exact.
+"""
+
+import math
+
+from raysvc.jit import inlined, kernel
+from raysvc.lighting.albedo_kernels import diffuse_loss, specular_terms
+from raysvc.lighting.brdf import (
+    MIN_COSINE,
+    MIRROR_ROUGHNESS,
+    fresnel_weight,
+    ggx_alpha,
+    ggx_density,
+    masking,
+    shadowing_given_masking,
+    visible_normal,
+)
+from raysvc.lighting.sphere_kernels import map_radiance, mean_radiance, y_share
+from raysvc.types import Doubles, Floats
+
+MAX_SOLID_ANGLE = 3.0
+"""Of a lookup, in steradians."""
+
+MIN_WEIGHT = 1e-6
+"""Of a direction below the horizon: nothing, unless the whole lobe is there."""
+
+
+@inlined
+def _turned(vectors: Floats, i: int, cos_yaw: float, sin_yaw: float) -> tuple[float, float, float]:
+    """Row i of world vectors (N, 3) in the map's frame."""
+    x, y, z = float(vectors[i, 0]), float(vectors[i, 1]), float(vectors[i, 2])
+    return cos_yaw * x - sin_yaw * z, y, sin_yaw * x + cos_yaw * z
+
+
+@inlined
+def _tangent(nx: float, ny: float, nz: float, around: int) -> tuple[float, float, float]:
+    """Unit tangent along the parallels of a cylinder: around Y (0) or X (1)."""
+    if around == 0:
+        scale = 1.0 / math.sqrt(max(nx * nx + nz * nz, 1e-12))
+        return nz * scale, 0.0, -nx * scale
+    scale = 1.0 / math.sqrt(max(ny * ny + nz * nz, 1e-12))
+    return 0.0, -nz * scale, ny * scale
+
+
+@kernel
+def diffuse_light(
+    around_y: Doubles,
+    around_x: Doubles,
+    losses: Doubles,
+    pattern: Doubles,
+    overlap: float,
+    cos_yaw: float,
+    sin_yaw: float,
+    strength: float,
+    normal: Floats,
+    view: Floats,
+    base_colour: Floats,
+    metallic: Floats,
+    dielectric_f0: Floats,
+    radiance: Floats,
+) -> None:
+    """Write the diffuse lobe's radiance to `radiance` (N, 3)."""
+    samples = len(pattern)
+    for i in range(len(normal)):
+        nx, ny, nz = _turned(normal, i, cos_yaw, sin_yaw)
+        vx, vy, vz = _turned(view, i, cos_yaw, sin_yaw)
+        nov = nx * vx + ny * vy + nz * vz
+        red, green, blue, total = 0.0, 0.0, 0.0, 0.0
+        for around in range(2):
+            share = y_share(ny)
+            if around == 1:
+                share = 1.0 - share
+            if share <= 0.0:
+                continue
+            tx, ty, tz = _tangent(nx, ny, nz, around)
+            bx, by, bz = ny * tz - nz * ty, nz * tx - nx * tz, nx * ty - ny * tx
+            for k in range(samples):
+                radius, up = math.sqrt(pattern[k, 2]), math.sqrt(1.0 - pattern[k, 2])
+                a, b = radius * pattern[k, 0], radius * pattern[k, 1]
+                lx = a * tx + b * bx + up * nx
+                ly = a * ty + b * by + up * ny
+                lz = a * tz + b * bz + up * nz
+                voh = math.sqrt(max(0.5 + 0.5 * (lx * vx + ly * vy + lz * vz), 0.0))
+                weight = share * (1.0 - fresnel_weight(voh))
+                angle = min(overlap * math.pi / (samples * up), MAX_SOLID_ANGLE)
+                r, g, bl = mean_radiance(around_y, around_x, lx, ly, lz, angle)
+                red += weight * r
+                green += weight * g
+                blue += weight * bl
+                total += weight
+        metal = metallic[i]
+        scale = strength * (1.0 - metal) * (1.0 - diffuse_loss(losses, nov)) / max(total, 1e-12)
+        f0 = dielectric_f0[i] * (1.0 - metal)
+        for c in range(3):
+            light = red if c == 0 else (green if c == 1 else blue)
+            base = base_colour[i, c]
+            radiance[i, c] = base * (1.0 - f0 - base * metal) * scale * light
+
+
+@kernel
+def specular_light(
+    around_y: Doubles,
+    around_x: Doubles,
+    raw_map: Floats,
+    terms: Doubles,
+    pattern: Doubles,
+    overlap: float,
+    cos_yaw: float,
+    sin_yaw: float,
+    strength: float,
+    normal: Floats,
+    view: Floats,
+    base_colour: Floats,
+    metallic: Floats,
+    roughness: Floats,
+    dielectric_f0: Floats,
+    radiance: Floats,
+) -> None:
+    """Write the specular lobe's radiance to `radiance` (N, 3)."""
+    samples = len(pattern)
+    for i in range(len(normal)):
+        nx, ny, nz = _turned(normal, i, cos_yaw, sin_yaw)
+        vx, vy, vz = _turned(view, i, cos_yaw, sin_yaw)
+        nov = nx * vx + ny * vy + nz * vz
+        # Light with Fresnel's weight x is `bias`, light with 1 - x is `scale`, as in F = F0 (1 - x) + x
+        r_scale, g_scale, b_scale, scale = 0.0, 0.0, 0.0, 1e-30
+        r_bias, g_bias, b_bias, bias = 0.0, 0.0, 0.0, 1e-30
+        if roughness[i] <= MIRROR_ROUGHNESS:
+            lx, ly, lz = 2.0 * nov * nx - vx, 2.0 * nov * ny - vy, 2.0 * nov * nz - vz
+            r_scale, g_scale, b_scale = map_radiance(raw_map, lx, ly, lz)
+            r_bias, g_bias, b_bias = r_scale, g_scale, b_scale
+            scale, bias = 1.0, 1.0
+        else:
+            alpha = ggx_alpha(float(roughness[i]))
+            cos_v = max(nov, MIN_COSINE)
+            for around in range(2):
+                share = y_share(ny)
+                if around == 1:
+                    share = 1.0 - share
+                if share <= 0.0:
+                    continue
+                tx, ty, tz = _tangent(nx, ny, nz, around)
+                bx, by, bz = ny * tz - nz * ty, nz * tx - nx * tz, nx * ty - ny * tx
+                va, vb = vx * tx + vy * ty + vz * tz, vx * bx + vy * by + vz * bz
+                length = 1.0 / math.sqrt(va * va + vb * vb + cos_v * cos_v)
+                va, vb, vn = va * length, vb * length, cos_v * length
+                for k in range(samples):
+                    ha, hb, hn = visible_normal(
+                        (va, vb, vn), alpha, pattern[k, 0], pattern[k, 1], pattern[k, 2]
+                    )
+                    voh = max(va * ha + vb * hb + vn * hn, 1e-6)
+                    la, lb, ln = 2.0 * voh * ha - va, 2.0 * voh * hb - vb, 2.0 * voh * hn - vn
+                    weight = share * MIN_WEIGHT
+                    if ln > 0.0:
+                        weight = share * max(shadowing_given_masking(ln, vn, alpha), MIN_WEIGHT)
+                    sine2 = ha * ha + hb * hb
+                    pdf = masking(vn, alpha) * ggx_density(sine2, alpha) / (4.0 * vn)
+                    angle = min(overlap / (samples * pdf), MAX_SOLID_ANGLE)
+                    r, g, b = mean_radiance(
+                        around_y,
+                        around_x,
+                        la * tx + lb * bx + ln * nx,
+                        la * ty + lb * by + ln * ny,
+                        la * tz + lb * bz + ln * nz,
+                        angle,
+                    )
+                    x = fresnel_weight(voh)
+                    wx, w1 = weight * x, weight * (1.0 - x)
+                    r_scale, g_scale, b_scale = r_scale + w1 * r, g_scale + w1 * g, b_scale + w1 * b
+                    r_bias, g_bias, b_bias = r_bias + wx * r, g_bias + wx * g, b_bias + wx * b
+                    scale, bias = scale + w1, bias + wx
+
+        term_a, term_b = specular_terms(terms, nov, float(roughness[i]))
+        metal = metallic[i]
+        for c in range(3):
+            f0 = dielectric_f0[i] * (1.0 - metal) + base_colour[i, c] * metal
+            lit = r_scale if c == 0 else (g_scale if c == 1 else b_scale)
+            grazing = r_bias if c == 0 else (g_bias if c == 1 else b_bias)
+            mean = (f0 * lit + grazing) / (f0 * scale + bias)
+            radiance[i, c] = mean * (f0 * term_a + term_b) * strength

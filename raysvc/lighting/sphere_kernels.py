@@ -1,0 +1,153 @@
+"""Lookups of an environment: boxes of its tables, and points of its map."""
+
+import math
+
+from raysvc.imaging.sat_kernels import periodic_box_rgb
+from raysvc.jit import inlined, kernel
+from raysvc.types import Doubles, Floats
+
+BLEND_BEGIN = 0.64
+BLEND_END = 0.77
+"""Between these |y| a lookup moves from the cylinder around Y to the one around X."""
+
+MAX_SINE = 0.9
+"""Of half the height of the largest box."""
+
+
+@inlined
+def y_share(y: float) -> float:
+    """Share of the cylinder around Y in a lookup at height y of the unit sphere, smooth from 1 to 0."""
+    t = min(max((BLEND_END - abs(y)) / (BLEND_END - BLEND_BEGIN), 0.0), 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
+@inlined
+def _cylinder_mean(
+    table: Doubles, along: float, across: float, ahead: float, solid_angle: float
+) -> tuple[float, float, float]:
+    """Mean radiance over a box of a cylinder, square on the sphere, never smaller than a texel.
+
+    Takes the direction as its parts along the axis, to the right of the centre column and towards it.
+    """
+    rows, columns = table.shape[0] - 1, table.shape[1] - 1
+    # A square of half height h is 4 sin^2 h steradians: exact on this cylinder while it clears the axis
+    sin_h = min(0.5 * math.sqrt(solid_angle), MAX_SINE)
+    cos_h = math.sqrt(1.0 - sin_h * sin_h)
+    radius = math.sqrt(max(1.0 - along * along, 0.0))
+    high = 1.0 if along >= cos_h else along * cos_h + radius * sin_h
+    low = -1.0 if along <= -cos_h else along * cos_h - radius * sin_h
+    turn = solid_angle / (high - low)
+
+    half_rows = 0.5 * max((high - low) * 0.5 * rows, 1.0)
+    middle = (0.5 - 0.25 * (high + low)) * rows
+    middle = min(max(middle, half_rows), rows - half_rows)
+    wide = min(max(turn / (2.0 * math.pi) * columns, 1.0), columns * 1.0)
+    centre = (math.atan2(across, ahead) / (2.0 * math.pi) + 0.5) * columns
+    red, green, blue = periodic_box_rgb(
+        table, middle - half_rows, middle + half_rows, centre - 0.5 * wide, wide
+    )
+    scale = 1.0 / (2.0 * half_rows * wide)
+    return red * scale, green * scale, blue * scale
+
+
+@inlined
+def mean_radiance(
+    around_y: Doubles, around_x: Doubles, x: float, y: float, z: float, solid_angle: float
+) -> tuple[float, float, float]:
+    """Mean RGB over about `solid_angle` steradians around the unit direction (x, y, z)."""
+    share = y_share(y)
+    if share >= 1.0:
+        return _cylinder_mean(around_y, y, x, -z, solid_angle)
+    r, g, b = _cylinder_mean(around_x, x, y, -z, solid_angle)
+    if share <= 0.0:
+        return r, g, b
+    red, green, blue = _cylinder_mean(around_y, y, x, -z, solid_angle)
+    rest = 1.0 - share
+    return red * share + r * rest, green * share + g * rest, blue * share + b * rest
+
+
+@inlined
+def _row_rgb(radiance: Floats, row: int, column: float) -> tuple[float, float, float]:
+    """RGB at a fractional column of a row; the row beyond a pole is the same row half a turn away."""
+    height, width = radiance.shape[0], radiance.shape[1]
+    if row < 0 or row >= height:
+        row = 0 if row < 0 else height - 1
+        column += 0.5 * width
+    j = math.floor(column)
+    u = column - j
+    a, b = radiance[row, int(j) % width], radiance[row, (int(j) + 1) % width]
+    return (
+        a[0] * (1.0 - u) + b[0] * u,
+        a[1] * (1.0 - u) + b[1] * u,
+        a[2] * (1.0 - u) + b[2] * u,
+    )
+
+
+@inlined
+def map_radiance(radiance: Floats, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """RGB of a lat-long map (H, W, 3) in the unit direction (x, y, z): bilinear between texel centres."""
+    height, width = radiance.shape[0], radiance.shape[1]
+    # atan2 keeps the digits that acos loses at the poles
+    row = math.atan2(math.sqrt(x * x + z * z), y) / math.pi * height - 0.5
+    column = (math.atan2(x, -z) / (2.0 * math.pi) + 0.5) * width - 0.5
+    i = math.floor(row)
+    v = row - i
+    red, green, blue = _row_rgb(radiance, int(i), column)
+    r, g, b = _row_rgb(radiance, int(i) + 1, column)
+    return red * (1.0 - v) + r * v, green * (1.0 - v) + g * v, blue * (1.0 - v) + b * v
+
+
+@kernel
+def map_radiances(
+    radiance: Floats,
+    directions: Floats,
+    cos_yaw: float,
+    sin_yaw: float,
+    strength: float,
+    result: Floats,
+) -> None:
+    """Write the turned map's RGB along world `directions` (N, 3) to `result` (N, 3)."""
+    for i in range(len(directions)):
+        dx, y, dz = float(directions[i, 0]), float(directions[i, 1]), float(directions[i, 2])
+        x, z = cos_yaw * dx - sin_yaw * dz, sin_yaw * dx + cos_yaw * dz
+        red, green, blue = map_radiance(radiance, x, y, z)
+        result[i, 0] = red * strength
+        result[i, 1] = green * strength
+        result[i, 2] = blue * strength
+
+
+@kernel
+def spread_to_x_cylinder(radiance: Floats, detail: int, shared: Doubles) -> None:
+    """Add the light of a lat-long map (H, W, 3) to `shared` (rows, columns, RGB + solid angle).
+
+    Every texel is cut into parts, `detail` down and up to as many across, and each part's light is shared
+    bilinearly by the four texels of the cylinder around X next to it.
+    """
+    height, width = radiance.shape[0], radiance.shape[1]
+    rows, columns = shared.shape[0], shared.shape[1]
+    for part_row in range(height * detail):
+        i = part_row // detail
+        polar = (part_row + 0.5) / (height * detail) * math.pi
+        cosine, sine = math.cos(polar), math.sin(polar)
+        top, bottom = part_row / (height * detail), (part_row + 1) / (height * detail)
+        band = math.cos(top * math.pi) - math.cos(bottom * math.pi)
+        # As many parts across as make them about square
+        parts = max(int(math.ceil(sine * 2.0 * detail * height / width)), 1)
+        part_angle = band * 2.0 * math.pi / (width * parts)
+        for part_column in range(width * parts):
+            j = part_column // parts
+            azimuth = ((part_column + 0.5) / (width * parts) - 0.5) * 2.0 * math.pi
+            x, ahead = sine * math.sin(azimuth), sine * math.cos(azimuth)
+            row = (0.5 - 0.5 * x) * rows - 0.5
+            column = (math.atan2(cosine, ahead) / (2.0 * math.pi) + 0.5) * columns - 0.5
+            below, right = math.floor(row), math.floor(column)
+            v, u = row - below, column - right
+            for k in range(4):
+                down, along = k // 2, k % 2
+                r = min(max(int(below) + down, 0), rows - 1)
+                c = (int(right) + along) % columns
+                share = part_angle * (v if down == 1 else 1.0 - v) * (u if along == 1 else 1.0 - u)
+                shared[r, c, 0] += share * radiance[i, j, 0]
+                shared[r, c, 1] += share * radiance[i, j, 1]
+                shared[r, c, 2] += share * radiance[i, j, 2]
+                shared[r, c, 3] += share

@@ -1,0 +1,87 @@
+"""The summed-area tables of an environment: two equal-area cylinders, one around +Y and one around +X.
+
+On Lambert's cylinder (azimuth across, the axis' coordinate down) every texel covers the same solid angle, so
+the table needs no weights and a box needs no sine or arc cosine. Near its axis a cylinder's boxes are slivers;
+there the other cylinder takes over, through a band in which the two are blended. No lookup comes
+nearer than 40 degrees to the axis of the cylinder that it uses, and neither seam nor pole is special.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from raysvc.imaging.sat import summed_area_table
+from raysvc.lighting.lat_long import texel_solid_angles
+from raysvc.lighting.sphere_kernels import spread_to_x_cylinder
+from raysvc.types import Doubles, Floats
+
+MAX_WIDTH = 2048
+"""Texels around a cylinder: finer than half of the narrowest lobe that is filtered."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SphereTable:
+    """Read-only tables for `sphere_kernels.mean_radiance`, exclusive as `summed_area_table` makes them.
+
+    Both are (H+1, W+1, 3) float64 over an image whose texels all have the same solid angle. Row 0 is at
+    +axis; the centre column is what is seen along -Z; to its right is +X around Y, and +Y around X.
+    """
+
+    around_y: Doubles
+    around_x: Doubles
+
+    @staticmethod
+    def of(radiance: Floats) -> "SphereTable":
+        """Build the tables of a lat-long map (H, W, 3) float32 as `raysvc.scene.Environment` holds it.
+
+        The one around Y holds exactly the light of the map; the other one is resampled, the light of every
+        texel shared out over the texels that it meets. Constant maps give constant tables.
+        """
+        height, width, _ = radiance.shape
+        columns = min(max(width, 64), MAX_WIDTH)
+        rows = max(columns // 2, 32)
+        around_y = _resampled_to_y_cylinder(radiance, rows, columns)
+
+        shared = np.zeros((rows, columns, 4))
+        detail = 2 if height >= rows else math.ceil(2 * rows / height)
+        spread_to_x_cylinder(radiance, detail, shared)
+        around_x = summed_area_table(_radiance_of_shares(shared))
+        for table in (around_y, around_x):
+            table.setflags(write=False)
+        return SphereTable(around_y, around_x)
+
+
+def _resampled_to_y_cylinder(radiance: Floats, rows: int, columns: int) -> Doubles:
+    """Table of the cylinder around Y, read out of the lat-long map's own table: (rows+1, columns+1, 3)."""
+    height, width, _ = radiance.shape
+    per_row = texel_solid_angles(height, width)
+    table = summed_area_table(radiance * per_row[:, None, None])
+    # Sums grow linearly with the cosine inside a row of texels, and with the column
+    edges = np.cos(np.arange(height + 1) * (math.pi / height))
+    wanted = 1.0 - 2.0 * np.arange(rows + 1) / rows
+    table = _interpolated(table, np.interp(-wanted, -edges, np.arange(height + 1)))
+    if columns != width:
+        across = np.arange(columns + 1) * (width / columns)
+        table = _interpolated(table.transpose(1, 0, 2), across).transpose(1, 0, 2)
+    return np.ascontiguousarray(table) * (rows * columns / (4.0 * math.pi))
+
+
+def _interpolated(table: Doubles, positions: Doubles) -> Doubles:
+    """Rows of a table (R, ...) at fractional positions (K,) within 0..R-1: (K, ...)."""
+    below = np.minimum(positions.astype(np.int64), len(table) - 2)
+    part = (positions - below).reshape(-1, *[1] * (table.ndim - 1))
+    result: Doubles = table[below] * (1.0 - part) + table[below + 1] * part
+    return result
+
+
+def _radiance_of_shares(shared: Doubles) -> Doubles:
+    """Divide light (rows, columns, RGB + solid angle) by solid angle; (rows, columns, 3).
+
+    Close to the axis texels are slivers that nothing may have met: they take the mean of their row.
+    """
+    covered = shared[..., 3:]
+    means = shared.sum(axis=1, keepdims=True)
+    means = means[..., :3] / np.maximum(means[..., 3:], 1e-30)
+    met = covered > 0.05 * 4.0 * math.pi / covered.size
+    return np.where(met, shared[..., :3] / np.maximum(covered, 1e-30), means)
