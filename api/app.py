@@ -15,9 +15,7 @@ from api.context import Context
 from api.routes import environments, health, one_shot, pages, renders, scenes, structures
 from api.schemas import RenderBody
 from api.settings import ApiSettings
-from raysvc.jobs import RenderService
-from raysvc.jobs.service import MakeRenderer
-from raysvc.jobs.scene_renderer import SceneRenderer
+from raysvc.jobs import MakeRenderer, RenderService, SceneRenderer
 from raysvc.version import VERSION
 
 FORM_OVERHEAD_BYTES = 1 << 20

@@ -8,8 +8,7 @@ from raysvc.errors import InvalidSetting
 from raysvc.frame.settings import checked, settings_from
 from raysvc.frame.view import View
 from raysvc.jobs import ContentStore, Job, RenderRequest, RenderService
-
-BUILTIN = "builtin:"
+from raysvc.loading.scene_file import BUILTIN_PREFIX
 
 
 def submit(service: RenderService, body: Mapping[str, Any]) -> Job:
@@ -48,6 +47,9 @@ def _stored(name: Any, field: str, store: ContentStore[Any]) -> str:
     """Return the id of what is called `builtin:NAME` or by its id."""
     if not isinstance(name, str):
         raise InvalidSetting("must be an id or builtin:NAME", field=field)
-    if name.startswith(BUILTIN):
-        return store.add_builtin(name.removeprefix(BUILTIN))[0].id
+    if name.startswith(BUILTIN_PREFIX):
+        try:
+            return store.add_builtin(name.removeprefix(BUILTIN_PREFIX))[0].id
+        except InvalidSetting as error:
+            raise InvalidSetting(error.message, field) from None
     return store.record(name).id

@@ -10,7 +10,7 @@ from raysvc.cli.demo import demo
 from raysvc.cli.inspect import inspect
 from raysvc.cli.render import render
 from raysvc.cli.serve import serve
-from raysvc.errors import InvalidInput, RaysvcError, Unavailable
+from raysvc.errors import InvalidInput, NotFound, RaysvcError, Unavailable
 from raysvc.version import VERSION
 
 EXIT_WRONG_INPUT = 2
@@ -57,7 +57,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return _failed(error.format_message(), error.exit_code)
     except typer.Abort:
         return _failed("aborted", EXIT_FAILURE)
-    except (InvalidInput, Unavailable) as error:
+    except (InvalidInput, NotFound, Unavailable) as error:
         return _failed(str(error), EXIT_WRONG_INPUT)
     except RaysvcError as error:
         return _failed(str(error), EXIT_FAILURE)

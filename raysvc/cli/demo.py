@@ -43,6 +43,8 @@ def demo(
             _wait_until_ready(client)
             report("posting the scene", 0.0)
             stored = _answer(client.post("/v1/scenes", json={"builtin": scene}))
+            if stored["cameras"]:
+                camera["gltf_camera"] = 0
             body = {"scene": stored["id"], "camera": camera}
             report("rendering", 0.0)
             render = _answer(client.post("/v1/renders", json=body))

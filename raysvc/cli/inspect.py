@@ -8,6 +8,8 @@ import typer
 from rich.console import Console
 
 from raysvc.cli.tables import plain_table
+from raysvc.jobs.summary import scene_summary
+from raysvc.loading import load_scene
 
 
 def inspect(
@@ -15,9 +17,6 @@ def inspect(
     as_json: Annotated[bool, typer.Option("--json", help="Say it in JSON.")] = False,
 ) -> None:
     """Say what is in a scene: counts, materials, textures, cameras, lights, bounds, warnings."""
-    from raysvc.jobs.summary import scene_summary
-    from raysvc.loading import load_scene
-
     summary = scene_summary(load_scene(scene))
     if as_json:
         typer.echo(json.dumps(summary, indent=2))

@@ -10,6 +10,11 @@ from rich.console import Console
 from raysvc.cli.arguments import camera_mapping, checked_output, settings_mapping, writable
 from raysvc.cli.progress import progress_bar
 from raysvc.cli.tables import stage_table
+from raysvc.frame.render import render as render_frame
+from raysvc.frame.settings import checked, settings_from
+from raysvc.frame.view import View
+from raysvc.loading import load_environment, load_scene
+from raysvc.parallel import Control
 
 
 def render(
@@ -35,12 +40,6 @@ def render(
     ] = None,
 ) -> None:
     """Render a scene to a picture file."""
-    from raysvc.frame.render import render as render_frame
-    from raysvc.frame.settings import checked, settings_from
-    from raysvc.frame.view import View
-    from raysvc.loading import load_environment, load_scene
-    from raysvc.parallel import Control
-
     checked_output(output)
     if stats is not None:
         writable(stats, "--stats")

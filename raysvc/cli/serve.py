@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+import uvicorn
 
 APPLICATION = "api.app:create_app"
 """By name: the core never imports `api`."""
@@ -22,8 +23,6 @@ def serve(
     ] = None,
 ) -> None:
     """Run the HTTP service until it is told to stop."""
-    import uvicorn
-
     if data_dir is not None:
         os.environ["RAYSVC_DATA_DIR"] = str(data_dir)
     config = uvicorn.Config(

@@ -11,9 +11,10 @@ Nothing here has heard of HTTP.
 
 from raysvc.jobs.model import Job, JobState, RenderRequest
 from raysvc.jobs.queue import JobQueue
-from raysvc.jobs.renderer import PatternRenderer, Picture, Renderer, SceneRenderer
+from raysvc.jobs.renderer import PatternRenderer, Picture, Renderer
 from raysvc.jobs.results import Results
-from raysvc.jobs.service import RenderService, ServiceOptions
+from raysvc.jobs.scene_renderer import SceneRenderer
+from raysvc.jobs.service import MakeRenderer, RenderService, ServiceOptions
 from raysvc.jobs.store import ContentStore, Record, Upload
 from raysvc.jobs.worker import Worker
 
@@ -22,6 +23,7 @@ __all__ = [
     "Job",
     "JobQueue",
     "JobState",
+    "MakeRenderer",
     "PatternRenderer",
     "Picture",
     "Record",

@@ -1,26 +1,35 @@
 """The renderer that a service uses: from names in the stores to a frame."""
 
+from raysvc.builtin import BUILTIN_SCENES
 from raysvc.frame.frame import Frame
 from raysvc.frame.render import render
-from raysvc.frame.warm_up import warm_up
+from raysvc.frame.view import View
 from raysvc.jobs.model import RenderRequest
 from raysvc.jobs.store import ContentStore
+from raysvc.limits import Limits
 from raysvc.parallel import Control
 from raysvc.scene import Environment, Scene
+
+SMALL_VIEW = View(width=16, height=9, aperture_radius=0.01)
+"""Goes through every stage, the lens too."""
 
 
 class SceneRenderer:
     """Looks scene and environment up and renders them."""
 
     def __init__(
-        self, scenes: ContentStore[Scene], environments: ContentStore[Environment]
+        self,
+        scenes: ContentStore[Scene],
+        environments: ContentStore[Environment],
+        limits: Limits,
     ) -> None:
+        self._limits = limits
         self._scenes = scenes
         self._environments = environments
 
     def warm_up(self) -> None:
-        """Compile the kernels, or load them from the cache."""
-        warm_up()
+        """Compile the kernels, or load them from the cache, by rendering something small."""
+        render(BUILTIN_SCENES["cornell"](), camera=SMALL_VIEW)
 
     def render(self, request: RenderRequest, control: Control) -> Frame:
         """Make the picture. Raises InvalidInput, Cancelled, DeadlineExceeded, NotFound."""
@@ -28,4 +37,11 @@ class SceneRenderer:
         environment = None
         if request.environment is not None:
             environment = self._environments.get(request.environment)
-        return render(scene, environment, request.camera, request.settings, control=control)
+        return render(
+            scene,
+            environment,
+            request.camera,
+            request.settings,
+            control=control,
+            limits=self._limits,
+        )

@@ -19,7 +19,8 @@ from raysvc.jobs.worker import Worker
 from raysvc.limits import DEFAULT_LIMITS, Limits
 from raysvc.scene import Environment, Scene
 
-MakeRenderer = Callable[[ContentStore[Scene], ContentStore[Environment]], Renderer]
+MakeRenderer = Callable[[ContentStore[Scene], ContentStore[Environment], Limits], Renderer]
+"""From the stores and limits of a service."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +59,7 @@ class RenderService:
         )
         self._results = Results(options.result_memory_bytes)
         self._queue = JobQueue(options.queue_size)
-        renderer = make_renderer(self.scenes, self.environments)
+        renderer = make_renderer(self.scenes, self.environments, options.limits)
         self._worker = Worker(self._queue, renderer, self._results, options.deadline_s)
         self._kept_jobs = options.kept_jobs
         self._jobs: OrderedDict[str, Job] = OrderedDict()

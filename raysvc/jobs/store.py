@@ -19,16 +19,16 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
-from raysvc.errors import NotFound
+from raysvc.errors import InvalidSetting, NotFound
 from raysvc.jobs.lru import LeastRecentlyUsed
 from raysvc.loading.files import Files
+from raysvc.loading.scene_file import BUILTIN_PREFIX
 from raysvc.version import VERSION
 
 logger = logging.getLogger(__name__)
 
 Thing = TypeVar("Thing")
 
-BUILTIN: Final = "builtin:"
 ID_DIGITS: Final = 64
 
 
@@ -103,12 +103,15 @@ class ContentStore(Generic[Thing]):
         return self._keep(record, thing, list(upload.files.values()))
 
     def add_builtin(self, name: str) -> tuple[Record, bool]:
-        """Keep the built-in thing of that name, without `builtin:`."""
-        id = hashlib.sha256(f"{BUILTIN}{name}\0{VERSION}".encode()).hexdigest()
+        """Keep the built-in thing of that name, without `builtin:`. Raises InvalidSetting."""
+        id = hashlib.sha256(f"{BUILTIN_PREFIX}{name}\0{VERSION}".encode()).hexdigest()
         known = self._records.get(id)
         if known is not None:
             return known, False
-        thing = self._kind.load(BUILTIN + name)
+        try:
+            thing = self._kind.load(BUILTIN_PREFIX + name)
+        except NotFound as error:
+            raise InvalidSetting(error.message, field="builtin") from None
         record = Record(id, time.time(), self._kind.summarise(thing), builtin=name)
         return self._keep(record, thing, [])
 
@@ -143,7 +146,7 @@ class ContentStore(Generic[Thing]):
 
     def _source(self, record: Record) -> str | Files:
         if record.builtin is not None:
-            return BUILTIN + record.builtin
+            return BUILTIN_PREFIX + record.builtin
         folder = self._folder / record.id
         try:
             files = {name: (folder / str(n)).read_bytes() for n, name in enumerate(record.files)}

@@ -1,7 +1,6 @@
 """What is said of a scene or an environment without rendering it."""
 
 import math
-from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -71,11 +70,6 @@ def scene_bytes(scene: Scene) -> int:
 def environment_bytes(environment: Environment) -> int:
     """Memory that an environment's pixels take."""
     return int(environment.radiance.nbytes)
-
-
-def counted(warnings: list[str]) -> list[str]:
-    """Each warning once, with how often it came."""
-    return [f"{text} ({n} times)" if n > 1 else text for text, n in Counter(warnings).items()]
 
 
 def _material(material: Material, triangles: int) -> dict[str, Any]:

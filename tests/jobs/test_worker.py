@@ -1,0 +1,84 @@
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from raysvc.errors import DeadlineExceeded, InvalidScene
+from raysvc.jobs import Job, JobQueue, JobState, PatternRenderer, Results, Worker
+from tests.jobs.requests import job
+
+Start = Callable[[PatternRenderer], tuple[JobQueue, Results]]
+
+
+@pytest.fixture
+def start() -> Iterator[Start]:
+    queues: list[tuple[JobQueue, Worker]] = []
+
+    def begin(renderer: PatternRenderer) -> tuple[JobQueue, Results]:
+        queue, results = JobQueue(8), Results(1 << 20)
+        worker = Worker(queue, renderer, results, deadline_s=None)
+        worker.start()
+        queues.append((queue, worker))
+        return queue, results
+
+    yield begin
+    for queue, worker in queues:
+        queue.close()
+        assert worker.join(5)
+
+
+def finished(some: Job) -> Job:
+    some.finished.result(5)
+    return some
+
+
+def test_a_job_becomes_a_picture(start: Start) -> None:
+    queue, results = start(PatternRenderer())
+    some = job()
+    queue.put(some)
+    assert finished(some).state is JobState.DONE
+    picture = results.get(some.request.name)
+    assert picture is not None
+    assert picture.encode("png").startswith(b"\x89PNG")
+    assert some.statistics is not None and some.statistics["width"] == 8
+
+
+def test_an_error_of_the_renderer_fails_that_job_alone(start: Start) -> None:
+    queue, _ = start(PatternRenderer(fault=InvalidScene("broken", field="meshes")))
+    first, second = job("1"), job("2")
+    queue.put(first)
+    queue.put(second)
+    for each in (first, second):
+        assert finished(each).state is JobState.FAILED
+        assert each.error is not None and each.error.field == "meshes"
+
+
+@pytest.mark.parametrize("fault", [ZeroDivisionError("secret"), MemoryError()])
+def test_a_fault_of_the_code_fails_the_job_without_telling_secrets(
+    start: Start, fault: Exception
+) -> None:
+    queue, _ = start(PatternRenderer(fault=fault))
+    some = job()
+    queue.put(some)
+    assert finished(some).state is JobState.FAILED
+    assert "secret" not in str(some.error)
+
+
+def test_a_running_job_stops_soon_after_it_is_cancelled(start: Start) -> None:
+    queue, _ = start(PatternRenderer(seconds=20.0, steps=1000))
+    some = job()
+    queue.put(some)
+    while some.state is JobState.QUEUED:
+        time.sleep(0.005)
+    some.cancel()
+    began = time.monotonic()
+    assert finished(some).state is JobState.CANCELLED
+    assert time.monotonic() - began < 1.0
+
+
+def test_a_job_that_takes_too_long_fails_and_may_be_tried_again(start: Start) -> None:
+    queue, _ = start(PatternRenderer(seconds=20.0, steps=1000))
+    some = job(deadline_s=0.05)
+    queue.put(some)
+    assert finished(some).state is JobState.FAILED
+    assert isinstance(some.error, DeadlineExceeded) and some.error.retryable
