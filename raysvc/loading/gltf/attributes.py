@@ -99,12 +99,12 @@ class AttributeReader:
             if f"TEXCOORD_{number}" in self._attributes:
                 name = f"TEXCOORD_{number}"
                 values = self._values(name, (2,), used)
-                good = (np.abs(values) <= LARGEST_UV).all(axis=1)
+                good = (np.abs(values) <= LARGEST_UV).all(axis=1, keepdims=True)
                 if not good.all():
                     self._journal.note(
                         f"NaN, or beyond {LARGEST_UV:g}: set to 0", self._place(name)
                     )
-                uv[:, number] = np.where(good[:, None], values, 0)
+                uv[:, number] = np.where(good, values, 0)
         return uv
 
     def _colours(self, used: Longs) -> Floats:
