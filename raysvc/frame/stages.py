@@ -212,10 +212,11 @@ def antialias(draft: Draft) -> None:
 
     def some(begin: int, end: int) -> None:
         total = np.zeros((end - begin, 4), np.float32)
-        for dx, dy in offsets:
+        for number, (dx, dy) in enumerate(offsets):
             draft.control.check()
             camera = draft.camera.shifted(float(dx), float(dy))
-            total += _sampled(draft, camera, pixel[begin:end])
+            illumination = draft.illumination.share(number, len(offsets))
+            total += _sampled(draft, illumination, camera, pixel[begin:end])
         rgba[pixel[begin:end]] = total / np.float32(len(offsets))
 
     for_chunks(len(pixel), CHUNK // 4, some, draft.control, "edges")
@@ -242,15 +243,17 @@ def sample_offsets(count: int) -> NDArray[np.float64]:
     return (0.5 + index * np.array([0.7548776662466927, 0.5698402909980532])) % 1.0 - 0.5
 
 
-def _sampled(draft: Draft, camera: Camera, pixel: Longs) -> Floats:
+def _sampled(
+    draft: Draft, illumination: Illumination, camera: Camera, pixel: Longs
+) -> Floats:
     """Premultiplied RGBA (P, 4) of pixels (P,) seen through a camera that samples elsewhere in them."""
     draft.ledger.count("primary", len(pixel))
     points = traced(draft.prepared, camera, pixel, draft.settings.texture_filter)
-    surface, illumination = points.surface, draft.illumination
+    surface = points.surface
     radiance = illumination.combined(
         surface,
         illumination.direct(surface),
-        _visible_at(draft, points),
+        _visible_at(draft, illumination, points),
         illumination.reflection(surface, points.footprint, draft.settings.bounces),
     )
     row = np.searchsorted(pixel, points.pixel)
@@ -259,12 +262,12 @@ def _sampled(draft: Draft, camera: Camera, pixel: Longs) -> Floats:
     )
 
 
-def _visible_at(draft: Draft, points: Points) -> Floats:
+def _visible_at(draft: Draft, illumination: Illumination, points: Points) -> Floats:
     """Ambient visibility of samples beside pixel centres: the neighbours' where they show the same surface."""
     visible = draft.visibility.near(points.pixel, points.depth, points.surface.normal)
     alone = np.flatnonzero(visible < 0)
     tile = tile_of(points.pixel[alone], draft.camera.width)
-    visible[alone] = draft.illumination.occlusion(points.surface.chosen(alone), tile)
+    visible[alone] = illumination.occlusion(points.surface.chosen(alone), tile)
     return visible
 
 

@@ -107,11 +107,16 @@ def mixed_uv(
 
 
 @inlined
-def transformed(matrix: Floats, at: Vec2, offset: float) -> Vec2:
-    """Affine transform (6,) of a point (offset 1) or a difference (offset 0)."""
+def transformed(matrices: Floats, material: int, slot: int, at: Vec2, offset: float) -> Vec2:
+    """Affine transform of a slot of (M, SLOTS, 6), of a point (offset 1) or a difference (offset 0).
+
+    Elements are read one by one: a view of the row would be counted as a reference, which costs more than
+    the arithmetic. So it is in all of this file.
+    """
+    m = matrices
     return (
-        matrix[0] * at[0] + matrix[1] * at[1] + offset * matrix[2],
-        matrix[3] * at[0] + matrix[4] * at[1] + offset * matrix[5],
+        m[material, slot, 0] * at[0] + m[material, slot, 1] * at[1] + offset * m[material, slot, 2],
+        m[material, slot, 3] * at[0] + m[material, slot, 4] * at[1] + offset * m[material, slot, 5],
     )
 
 
@@ -136,26 +141,39 @@ def read_slot(
     if texture < 0:
         return (1.0, 1.0, 1.0, 1.0)
     uv_set = materials.texture[material, slot, 1]
-    matrix = materials.uv_transform[material, slot]
+    matrix = materials.uv_transform
     i0, i1, i2 = (
         geometry.triangles[triangle, 0],
         geometry.triangles[triangle, 1],
         geometry.triangles[triangle, 2],
     )
-    uv = transformed(matrix, mixed_uv(geometry.uv, i0, i1, i2, uv_set, weights), 1.0)
-    e1 = transformed(matrix, mixed_uv(geometry.uv, i0, i1, i2, uv_set, (-1.0, 1.0, 0.0)), 0.0)
-    e2 = transformed(matrix, mixed_uv(geometry.uv, i0, i1, i2, uv_set, (-1.0, 0.0, 1.0)), 0.0)
-    size = textures.size[texture, 0]
-    texel_area = abs(e1[0] * e2[1] - e1[1] * e2[0]) * size[0] * size[1]
+    uv = transformed(
+        matrix, material, slot, mixed_uv(geometry.uv, i0, i1, i2, uv_set, weights), 1.0
+    )
+    e1 = transformed(
+        matrix, material, slot, mixed_uv(geometry.uv, i0, i1, i2, uv_set, (-1.0, 1.0, 0.0)), 0.0
+    )
+    e2 = transformed(
+        matrix, material, slot, mixed_uv(geometry.uv, i0, i1, i2, uv_set, (-1.0, 0.0, 1.0)), 0.0
+    )
+    texels = float(textures.size[texture, 0, 0]) * float(textures.size[texture, 0, 1])
+    texel_area = abs(e1[0] * e2[1] - e1[1] * e2[0]) * texels
     is_colour = slot in (BASE_SLOT, EMISSIVE_SLOT)
     return sample(textures, texture, uv, metres * math.sqrt(texel_area), texture_filter, is_colour)
 
 
 @inlined
 def tangent_frame(
-    geometry: Geometry, triangle: int, matrix: Floats, uv_set: int, u: float, v: float, normal: Vec3
+    geometry: Geometry,
+    materials: MaterialTable,
+    triangle: int,
+    u: float,
+    v: float,
+    normal: Vec3,
 ) -> tuple[Vec3, Vec3]:
     """Tangent and bitangent for a normal map: the vertices', else the triangle's own from its uv."""
+    material, slot = geometry.material_of_triangle[triangle], NORMAL_SLOT
+    matrix, uv_set = materials.uv_transform, materials.texture[material, slot, 1]
     i0, i1, i2 = (
         geometry.triangles[triangle, 0],
         geometry.triangles[triangle, 1],
@@ -168,8 +186,12 @@ def tangent_frame(
         return tangent, scaled(cross(normal, tangent), handed)
     a = row3(geometry.positions, i0)
     p1, p2 = plus(row3(geometry.positions, i1), a, -1.0), plus(row3(geometry.positions, i2), a, -1.0)
-    e1 = transformed(matrix, mixed_uv(geometry.uv, i0, i1, i2, uv_set, (-1.0, 1.0, 0.0)), 0.0)
-    e2 = transformed(matrix, mixed_uv(geometry.uv, i0, i1, i2, uv_set, (-1.0, 0.0, 1.0)), 0.0)
+    e1 = transformed(
+        matrix, material, slot, mixed_uv(geometry.uv, i0, i1, i2, uv_set, (-1.0, 1.0, 0.0)), 0.0
+    )
+    e2 = transformed(
+        matrix, material, slot, mixed_uv(geometry.uv, i0, i1, i2, uv_set, (-1.0, 0.0, 1.0)), 0.0
+    )
     area = e1[0] * e2[1] - e1[1] * e2[0]
     handed = 1.0 if area < 0.0 else -1.0
     # dp/du up to a positive factor; v grows downwards in the texture, glTF's bitangent upwards.
@@ -266,7 +288,7 @@ def evaluate(
         weights = (1.0 - u - v, u, v)
         i0, i1, i2 = geometry.triangles[f, 0], geometry.triangles[f, 1], geometry.triangles[f, 2]
         material = geometry.material_of_triangle[f]
-        factors = materials.factors[material]
+        factors = materials.factors
         towards = (-float(directions[n, 0]), -float(directions[n, 1]), -float(directions[n, 2]))
 
         # Geometric and shading normal, both on the viewer's side
@@ -296,17 +318,9 @@ def evaluate(
                 metres,
                 texture_filter,
             )
-            tangent, bitangent = tangent_frame(
-                geometry,
-                f,
-                materials.uv_transform[material, NORMAL_SLOT],
-                materials.texture[material, NORMAL_SLOT, 1],
-                u,
-                v,
-                ns,
-            )
-            x = (2.0 * texel[0] - 1.0) * factors[NORMAL_SCALE]
-            y = (2.0 * texel[1] - 1.0) * factors[NORMAL_SCALE]
+            tangent, bitangent = tangent_frame(geometry, materials, f, u, v, ns)
+            x = (2.0 * texel[0] - 1.0) * factors[material, NORMAL_SCALE]
+            y = (2.0 * texel[1] - 1.0) * factors[material, NORMAL_SCALE]
             bumped = scaled(ns, 2.0 * texel[2] - 1.0)
             ns = unit_or(plus(plus(bumped, tangent, x), bitangent, y), ns)
         ng, ns = scaled(ng, side), scaled(ns, side)
@@ -320,13 +334,13 @@ def evaluate(
         )
         colour = geometry.colours
         vertex = mixed3(colour, i0, i1, i2, u, v)
-        base_colour[n, 0] = factors[BASE] * texel[0] * vertex[0]
-        base_colour[n, 1] = factors[BASE + 1] * texel[1] * vertex[1]
-        base_colour[n, 2] = factors[BASE + 2] * texel[2] * vertex[2]
+        base_colour[n, 0] = factors[material, BASE] * texel[0] * vertex[0]
+        base_colour[n, 1] = factors[material, BASE + 1] * texel[1] * vertex[1]
+        base_colour[n, 2] = factors[material, BASE + 2] * texel[2] * vertex[2]
         alpha[n] = 1.0
         if materials.flags[material, 0] == BLEND:
             vertex_alpha = weights[0] * colour[i0, 3] + u * colour[i1, 3] + v * colour[i2, 3]
-            alpha[n] = min(max(factors[ALPHA] * texel[3] * vertex_alpha, 0.0), 1.0)
+            alpha[n] = min(max(factors[material, ALPHA] * texel[3] * vertex_alpha, 0.0), 1.0)
 
         # Metalness, roughness, occlusion, emission
         texel = read_slot(
@@ -340,9 +354,9 @@ def evaluate(
             metres,
             texture_filter,
         )
-        roughness[n] = min(max(factors[ROUGHNESS] * texel[1], 0.0), 1.0)
-        metallic[n] = min(max(factors[METALLIC] * texel[2], 0.0), 1.0)
-        dielectric_f0[n] = factors[F0]
+        roughness[n] = min(max(factors[material, ROUGHNESS] * texel[1], 0.0), 1.0)
+        metallic[n] = min(max(factors[material, METALLIC] * texel[2], 0.0), 1.0)
+        dielectric_f0[n] = factors[material, F0]
         texel = read_slot(
             geometry,
             materials,
@@ -354,7 +368,7 @@ def evaluate(
             metres,
             texture_filter,
         )
-        occlusion[n] = 1.0 + factors[OCCLUSION_STRENGTH] * (texel[0] - 1.0)
+        occlusion[n] = 1.0 + factors[material, OCCLUSION_STRENGTH] * (texel[0] - 1.0)
         texel = read_slot(
             geometry,
             materials,
@@ -366,9 +380,9 @@ def evaluate(
             metres,
             texture_filter,
         )
-        emissive[n, 0] = factors[EMISSIVE] * texel[0]
-        emissive[n, 1] = factors[EMISSIVE + 1] * texel[1]
-        emissive[n, 2] = factors[EMISSIVE + 2] * texel[2]
+        emissive[n, 0] = factors[material, EMISSIVE] * texel[0]
+        emissive[n, 1] = factors[material, EMISSIVE + 1] * texel[1]
+        emissive[n, 2] = factors[material, EMISSIVE + 2] * texel[2]
         unlit[n] = materials.flags[material, 1] == 1
 
         point = mixed3(geometry.positions, i0, i1, i2, u, v)
