@@ -47,7 +47,9 @@ def test_every_layout_reads_as_the_specification_says(
     builder = Builder()
     builder.view(bytes(8))
     size = np.dtype(kind).itemsize * width
-    data = random_bytes(rng, kind, (offset + count * (stride or size)) // np.dtype(kind).itemsize + 9)
+    data = random_bytes(
+        rng, kind, (offset + count * (stride or size)) // np.dtype(kind).itemsize + 9
+    )
     view = builder.view(data.tobytes(), **({"byteStride": stride} if stride else {}))
     accessor = {"componentType": COMPONENTS[kind], "count": count, "type": TYPES[width]}
     if backed:
