@@ -1,0 +1,143 @@
+"""Environment maps: Radiance .hdr through OpenImageIO, .exr through OpenEXR."""
+
+import os
+import tempfile
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import OpenImageIO as oiio
+
+from raysvc.builtin import BUILTIN_ENVIRONMENTS
+from raysvc.errors import InvalidEnvironment, LimitExceeded, NotFound, RaysvcError, Unsupported
+from raysvc.limits import DEFAULT_LIMITS, Limits
+from raysvc.loading.exr_file import read_exr
+from raysvc.loading.files import Files
+from raysvc.scene import Environment
+from raysvc.types import Floats
+
+BUILTIN_PREFIX = "builtin:"
+MAX_RADIANCE = 1e9
+"""Brighter is no measurement: the sun has about 1e5 where a white wall has 1. Sums stay finite."""
+_EXR_MAGIC = b"\x76\x2f\x31\x01"
+_HDR_MAGICS = (b"#?RADIANCE", b"#?RGBE")
+
+_HEADER_BYTES = 2048
+
+# How to turn pixels upright, by Exif's number for the order that they are in.
+_UPRIGHT: Mapping[int, Callable[[Floats], Floats]] = {
+    1: lambda pixels: pixels,
+    2: lambda pixels: pixels[:, ::-1],
+    3: lambda pixels: pixels[::-1, ::-1],
+    4: lambda pixels: pixels[::-1],
+    5: lambda pixels: pixels.transpose(1, 0, 2),
+    6: lambda pixels: pixels[::-1].transpose(1, 0, 2),
+    7: lambda pixels: pixels[::-1, ::-1].transpose(1, 0, 2),
+    8: lambda pixels: pixels[:, ::-1].transpose(1, 0, 2),
+}
+
+Source = str | os.PathLike[str] | Files | Mapping[str, bytes]
+
+
+def load_environment(source: Source, limits: Limits = DEFAULT_LIMITS) -> Environment:
+    """Load a lat-long map of radiance.
+
+    The centre column of a file is what is seen along -Z, with +X to its right. An OpenEXR file with
+    the attribute `envmap` follows that format's own definition instead.
+
+    Parameters
+    ----------
+    source
+        `builtin:NAME`, the path of an .hdr or .exr file, or one such file in memory: Files, or
+        a mapping of its name to its bytes
+    limits
+        what is refused for its size
+
+    Raises
+    ------
+    NotFound
+        no built-in environment has that name
+    InvalidEnvironment, Unsupported, LimitExceeded
+        the file is broken, is something else, or is too large; nothing else is raised
+    """
+    if isinstance(source, str) and source.startswith(BUILTIN_PREFIX):
+        name = source.removeprefix(BUILTIN_PREFIX)
+        if name not in BUILTIN_ENVIRONMENTS:
+            known = ", ".join(BUILTIN_ENVIRONMENTS)
+            raise NotFound(f"no built-in environment {name!r}; there are {known}")
+        return BUILTIN_ENVIRONMENTS[name]()
+    name, data = _named_bytes(source, limits)
+    try:
+        if data.startswith(_EXR_MAGIC):
+            return _checked(*read_exr(data, limits, name), name)
+        if data.startswith(_HDR_MAGICS):
+            return _checked(_read_hdr(data, limits, name), [], name)
+    except RaysvcError:
+        raise
+    except MemoryError:
+        raise LimitExceeded("does not fit into memory", name) from None
+    raise InvalidEnvironment("is neither Radiance .hdr nor OpenEXR", name)
+
+
+def _named_bytes(source: Source, limits: Limits) -> tuple[str, bytes]:
+    try:
+        if isinstance(source, Mapping):
+            if len(source) != 1:
+                raise InvalidEnvironment(f"needs one file, has {len(source)}", "environment")
+            source = Files.from_memory(source, next(iter(source)), limits)
+        elif not isinstance(source, Files):
+            source = Files.from_path(source, limits)
+        return source.main, source.read(source.main, source.main)
+    except LimitExceeded:
+        raise
+    except RaysvcError as error:
+        raise InvalidEnvironment(error.message, error.field) from None
+
+
+def _read_hdr(data: bytes, limits: Limits, name: str) -> Floats:
+    """(H, W, 3) float32 of a Radiance file, turned upright if its scanlines are not top-down."""
+    if b"32-bit_rle_xyze" in data[:_HEADER_BYTES]:
+        raise Unsupported("is in XYZ (32-bit_rle_xyze); environments need RGB", name)
+    # OpenImageIO's Python binding reads from files only.
+    with tempfile.TemporaryDirectory(prefix="raysvc-") as folder:
+        path = os.path.join(folder, "environment.hdr")
+        with open(path, "wb") as file:
+            file.write(data)
+        picture = oiio.ImageInput.open(path)
+        if picture is None:
+            raise InvalidEnvironment(_reason(oiio.geterror(), path), name)
+        try:
+            spec = picture.spec()
+            if spec.width * spec.height > limits.max_environment_pixels:
+                size = f"{spec.width} x {spec.height} pixels"
+                limit = f"{limits.max_environment_pixels:,}"
+                raise LimitExceeded(f"{size}; the limit is {limit}", name)
+            pixels = picture.read_image(oiio.FLOAT)
+            if pixels is None or spec.nchannels != 3:
+                raise InvalidEnvironment(_reason(picture.geterror(), path), name)
+            upright = _UPRIGHT[spec.get_int_attribute("Orientation", 1)]
+            return np.ascontiguousarray(upright(pixels), np.float32)
+        finally:
+            picture.close()
+
+
+def _reason(message: str, path: str) -> str:
+    """What OpenImageIO says, without the temporary file's name."""
+    said = message.replace(path, "the file").strip()[:200]
+    return f"cannot be read as Radiance .hdr ({said or 'damaged'})"
+
+
+def _checked(radiance: Floats, warnings: list[str], name: str) -> Environment:
+    """Make pixels finite, not negative and of this world, and say what was changed."""
+    pixels = np.array(radiance, np.float32)
+    for faulty, value, what in (
+        (~np.isfinite(pixels), 0.0, "were not finite and are now black"),
+        (pixels < 0.0, 0.0, "were negative and are now black"),
+        (pixels > MAX_RADIANCE, MAX_RADIANCE, f"were above {MAX_RADIANCE:g} and are now that"),
+    ):
+        if faulty.any():
+            pixels[faulty] = value
+            warnings.append(f"{int(faulty.sum()):,} values {what}")
+    height, width = pixels.shape[:2]
+    if width != 2 * height:
+        warnings.append(f"{width} x {height} is not 2:1 as a lat-long map should be; stretched")
+    return Environment(pixels, name=os.path.splitext(name)[0], warnings=tuple(warnings))
