@@ -5,7 +5,7 @@ import tempfile
 from collections.abc import Callable, Mapping
 
 import numpy as np
-import OpenImageIO as oiio
+import OpenImageIO
 
 from raysvc.builtin import BUILTIN_ENVIRONMENTS
 from raysvc.errors import InvalidEnvironment, LimitExceeded, NotFound, RaysvcError, Unsupported
@@ -102,16 +102,16 @@ def _read_hdr(data: bytes, limits: Limits, name: str) -> Floats:
         path = os.path.join(folder, "environment.hdr")
         with open(path, "wb") as file:
             file.write(data)
-        picture = oiio.ImageInput.open(path)
+        picture = OpenImageIO.ImageInput.open(path)
         if picture is None:
-            raise InvalidEnvironment(_reason(oiio.geterror(), path), name)
+            raise InvalidEnvironment(_reason(OpenImageIO.geterror(), path), name)
         try:
             spec = picture.spec()
             if spec.width * spec.height > limits.max_environment_pixels:
                 size = f"{spec.width} x {spec.height} pixels"
                 limit = f"{limits.max_environment_pixels:,}"
                 raise LimitExceeded(f"{size}; the limit is {limit}", name)
-            pixels = picture.read_image(oiio.FLOAT)
+            pixels = picture.read_image(OpenImageIO.FLOAT)
             if pixels is None or spec.nchannels != 3:
                 raise InvalidEnvironment(_reason(picture.geterror(), path), name)
             upright = _UPRIGHT[spec.get_int_attribute("Orientation", 1)]

@@ -92,13 +92,14 @@ def _size(header: dict[str, Any], limits: Limits, name: str) -> tuple[int, int]:
 
 
 def _chosen_channels(header: dict[str, Any], name: str) -> tuple[str, ...]:
-    """Names of the channels to read: R, G, B of the main layer or of the first; else one for grey."""
+    """Channels to read: R, G, B of the main layer or of the first with them; else one for grey."""
     names = [channel.name for channel in header["channels"]]
     if {"RY", "BY"} & set(names):
         raise Unsupported("is in luminance and chroma; environments need RGB", name)
-    layers = sorted({match[1] for n in names if (match := re.fullmatch(r"(.*\.)?[RGB]", n))},
-    key=str) for layer in sorted(layers, key=lambda layer: layer is not None):
-        rgb = tuple(f"{layer or ''}{colour}" for colour in "RGB")
+    # The main layer's prefix is empty, and sorts before all others.
+    layers = {match[1] for n in names if (match := re.fullmatch(r"((?:.*\.)?)[RGB]", n))}
+    for layer in sorted(layers):
+        rgb = tuple(layer + colour for colour in "RGB")
         if set(rgb) <= set(names):
             return rgb
     if "Y" in names:

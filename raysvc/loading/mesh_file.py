@@ -180,8 +180,8 @@ def _parsed(parse: Callable[[], Any], name: str) -> Any:
     except IndexError:
         raise InvalidScene("refers to a vertex, or to a line, that is not there", name) from None
     except Exception as error:  # trimesh raises nearly every built-in exception for broken files
-        raise InvalidScene(f"cannot be read ({type(error).__name__}: {error})"[:300], name) from
-        None
+        reason = f"{type(error).__name__}: {error}"[:200]
+        raise InvalidScene(f"cannot be read ({reason})", name) from None
 
 
 def _named_material(name: str, library: MaterialLibrary) -> Material:
@@ -214,7 +214,7 @@ def _part(mesh: Mapping[str, Any], material: int) -> MeshPart:
 
 
 def _check_polygons(parsed: Mapping[str, Any], name: str) -> None:
-    """Refuse binary PLY whose faces are of different sizes: trimesh reads them as if they were not."""
+    """Refuse binary PLY with faces of different sizes, which trimesh reads as if all were alike."""
     faces = parsed["metadata"]["_ply_raw"]["face"]["data"]
     for list_name in getattr(getattr(faces, "dtype", None), "names", None) or ():
         fields = faces[list_name].dtype.names

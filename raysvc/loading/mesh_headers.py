@@ -1,4 +1,4 @@
-"""What mesh files claim to hold, checked against how long they are before any of it is allocated."""
+"""What mesh files claim to hold, checked against their length before anything is allocated."""
 
 import re
 from dataclasses import dataclass, field

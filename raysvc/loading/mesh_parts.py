@@ -160,7 +160,7 @@ def _with_normals(part: MeshPart, warnings: list[str]) -> MeshPart:
 def _with_blending(
     parts: Sequence[MeshPart], materials: Sequence[Material]
 ) -> tuple[list[Material], list[int]]:
-    """Give translucent vertex colours a material that blends; number of the material of each part."""
+    """Materials, with ones that blend for translucent vertex colours; and which each part has."""
     chosen, numbers = list(materials), []
     for part in parts:
         number = part.material

@@ -60,8 +60,13 @@ def read_obj_text(data: bytes, limits: Limits, name: str) -> ObjText:
         libraries=tuple(library.strip() for library in libraries),
         ignored=tuple(
             what
-            for key, what in (("p", "points"), ("l", "lines"), ("curv", "curves"), ("surf",
-            "surfaces")) if f"\n{key} " in text
+            for key, what in (
+                ("p", "points"),
+                ("l", "lines"),
+                ("curv", "curves"),
+                ("surf", "surfaces"),
+            )
+            if f"\n{key} " in text
         ),
         has_uv="\nvt " in text,
         has_normals="\nvn " in text,
@@ -79,8 +84,7 @@ def decode_text(data: bytes, name: str) -> str:
             try:
                 return data.decode(encoding)
             except UnicodeDecodeError:
-                raise InvalidScene(f"is not the {encoding} text that it claims to be", name) from
-                None
+                raise InvalidScene(f"is not the {encoding} text it claims to be", name) from None
     if b"\0" in data:
         raise InvalidScene("is binary, not text", name)
     try:
@@ -118,8 +122,8 @@ def _with_absolute_indices(text: str, name: str) -> str:
             try:
                 corners = [_absolute(corner, last) for corner in rest.split()]
             except ValueError:
-                raise InvalidScene(f"has an index that is not there in {_shown(line)}", name) from
-                None
+                where = _shown(line)
+                raise InvalidScene(f"has an index that is not there in {where}", name) from None
             lines[number] = "f " + " ".join(corners)
     return "\n".join(lines)
 

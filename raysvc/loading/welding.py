@@ -1,4 +1,4 @@
-"""Shading normals for meshes that come without: smooth, but for edges that are meant to be sharp."""
+"""Shading normals for meshes that come without: smooth, but for edges meant to be sharp."""
 
 import numpy as np
 
@@ -57,7 +57,7 @@ def crease_normals(
 
 
 def welded(positions: Doubles) -> Longs:
-    """(V,) number of the place that each of (V, 3) vertices is at, as float32 tells places apart."""
+    """(V,) number of the place where each of (V, 3) vertices is, as float32 tells places apart."""
     rows = (positions.astype(np.float32) + np.float32(0.0)).view(np.uint32)  # -0 becomes +0
     order = np.lexsort(rows.T)
     changed = np.any(np.diff(rows[order], axis=0) != 0, axis=1)
