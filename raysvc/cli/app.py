@@ -19,7 +19,6 @@ EXIT_FAILURE = 1
 app = typer.Typer(
     name="raysvc",
     help="A 3D scene and a camera in, a picture out, on a CPU.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -34,14 +33,17 @@ def _show_version(wanted: bool) -> None:
         raise typer.Exit()
 
 
-@app.callback()
+@app.callback(invoke_without_command=True)
 def _root(
+    context: typer.Context,
     version: Annotated[
         bool,
         typer.Option("--version", is_eager=True, callback=_show_version, help="Say which this is."),
     ] = False,
 ) -> None:
-    pass
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+        raise typer.Exit(EXIT_WRONG_INPUT)
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:

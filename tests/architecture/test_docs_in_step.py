@@ -1,0 +1,67 @@
+"""What callers can say is documented, or these tests fail."""
+
+import re
+from pathlib import Path
+
+import pytest
+import typer
+
+from api.app import create_app
+from api.problems import PROBLEMS
+from api.settings import ApiSettings
+from raysvc.cli.app import app as command_line
+from raysvc.frame.settings import Settings
+from raysvc.frame.view import View
+
+DOCS = Path(__file__).parents[2] / "docs"
+HTTP = (DOCS / "http.md").read_text(encoding="utf-8")
+COMMAND_LINE = (DOCS / "command_line.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", [*Settings.model_fields, *View.model_fields])
+def test_every_camera_and_setting_field_is_documented(name: str) -> None:
+    assert f"| `{name}` |" in HTTP
+
+
+@pytest.mark.parametrize("name", ApiSettings.model_fields)
+def test_every_environment_variable_is_documented(name: str) -> None:
+    assert f"| `RAYSVC_{name.upper()}` |" in HTTP
+
+
+def test_every_route_is_documented(tmp_path: Path) -> None:
+    schema = create_app(ApiSettings(data_dir=tmp_path)).openapi()
+    missing = [
+        f"{method.upper()} {path}"
+        for path, methods in schema["paths"].items()
+        for method in methods
+        if f"`{method.upper()} {path}`" not in HTTP
+    ]
+    assert not missing
+
+
+@pytest.mark.parametrize("problem", PROBLEMS.values(), ids=lambda problem: problem.type)
+def test_every_kind_of_problem_is_documented(problem: object) -> None:
+    assert f"| `{problem.type}` | {int(problem.status)} |" in HTTP  # type: ignore[attr-defined]
+
+
+def commands() -> list[str]:
+    group = typer.main.get_command(command_line)
+    return sorted(group.commands)  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("name", commands())
+def test_every_command_is_documented_with_its_options(name: str) -> None:
+    heading = f"## raysvc {name}"
+    assert heading in COMMAND_LINE
+    section = COMMAND_LINE.partition(heading)[2].partition("\n## ")[0]
+    command = typer.main.get_command(command_line).commands[name]  # type: ignore[attr-defined]
+    for parameter in command.params:
+        for option in parameter.opts + parameter.secondary_opts:
+            if option.startswith("-"):
+                assert f"`{option}" in section, option
+
+
+def test_links_between_pages_lead_somewhere() -> None:
+    for page in DOCS.glob("*.md"):
+        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
+            assert (DOCS / target).exists(), f"{page.name}: {target}"
