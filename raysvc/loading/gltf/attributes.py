@@ -6,7 +6,13 @@ import numpy as np
 
 from raysvc.errors import InvalidScene
 from raysvc.loading.gltf.accessors import Accessors
-from raysvc.loading.gltf.directions import face_normals, smooth_normals, tangents, unit
+from raysvc.loading.gltf.directions import (
+    face_normals,
+    smooth_normals,
+    tangents,
+    unit,
+    without_area,
+)
 from raysvc.loading.gltf.journal import Journal
 from raysvc.scene import TextureRef
 from raysvc.types import Floats, Longs
@@ -58,8 +64,7 @@ class AttributeReader:
             colours=self._colours(used),
             triangles=triangles,
         )
-        _, sizeable = face_normals(positions, triangles)
-        if not sizeable.all():
+        if without_area(positions, triangles):
             self._journal.note("has triangles without area", self._path.rpartition(".")[0])
         if "NORMAL" not in self._attributes:
             return _flat(shape)
@@ -178,7 +183,7 @@ def _compacted(triangles: Longs, vertices: int) -> tuple[Longs, Longs]:
 def _flat(shape: Shape) -> Shape:
     """Give every triangle its own three vertices with its own normal; there are no tangents."""
     corners = shape.triangles.reshape(-1)
-    normals, _ = face_normals(shape.positions, shape.triangles)
+    normals = face_normals(shape.positions, shape.triangles)
     return Shape(
         shape.positions[corners],
         np.repeat(normals, 3, axis=0).astype(np.float32),

@@ -5,6 +5,7 @@ import numpy as np
 from raysvc.types import Bools, Doubles, Floats, Longs
 
 _UP = np.array([0.0, 1.0, 0.0])
+_FACES_AT_ONCE = 1 << 14
 
 
 def unit(vectors: Doubles) -> tuple[Doubles, Bools]:
@@ -20,19 +21,39 @@ def unit(vectors: Doubles) -> tuple[Doubles, Bools]:
     return scaled / np.where(length > 0, length, 1.0), largest[:, 0] > 0
 
 
-def face_normals(positions: Floats, triangles: Longs) -> tuple[Doubles, Bools]:
-    """Return (F, 3) float64 unit normals, and which triangles have an area; the others get +Y."""
+def cross(a: Doubles, b: Doubles) -> Doubles:
+    """Return (N, 3) cross products; several times faster than NumPy's own for few and for many."""
+    product = np.empty(a.shape)
+    for axis in range(3):
+        one, two = (axis + 1) % 3, (axis + 2) % 3
+        np.multiply(a[:, one], b[:, two], out=product[:, axis])
+        product[:, axis] -= a[:, two] * b[:, one]
+    return product
+
+
+def without_area(positions: Floats, triangles: Longs) -> bool:
+    """Whether any triangle has no area."""
+    for begin in range(0, len(triangles), _FACES_AT_ONCE):
+        corner = positions[triangles[begin : begin + _FACES_AT_ONCE]].astype(np.float64)
+        area = cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        if not area.any(axis=1).all():
+            return True
+    return False
+
+
+def face_normals(positions: Floats, triangles: Longs) -> Doubles:
+    """Return (F, 3) float64 unit normals, +Y where a triangle has no area."""
     corner = positions[triangles].astype(np.float64)
     edge, other = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    normals, good = unit(np.cross(edge, other))
+    normals, good = unit(cross(edge, other))
     normals[~good] = _UP
-    return normals, good
+    return normals
 
 
 def smooth_normals(positions: Floats, triangles: Longs) -> Doubles:
     """Return (V, 3) float64 unit normals, the mean of the adjacent triangles' by area."""
     corner = positions[triangles].astype(np.float64)
-    area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    area = cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     normals, good = unit(_summed(np.repeat(area, 3, axis=0), triangles, len(positions)))
     normals[~good] = _UP
     return normals

@@ -6,7 +6,7 @@ import numpy as np
 
 from raysvc.errors import InvalidScene
 from raysvc.loading.gltf.attributes import LARGEST_COORDINATE, Shape
-from raysvc.loading.gltf.directions import unit
+from raysvc.loading.gltf.directions import cross, unit
 from raysvc.loading.gltf.instances import Placement
 from raysvc.types import Bools, Doubles, Floats, Ints
 
@@ -78,7 +78,7 @@ def place(
 def determinants(world: Doubles) -> Doubles:
     """Return (N,) determinants of the 3x3 parts, divided by the cube of their largest entries."""
     x, y, z = np.moveaxis(_linear(world), 2, 0)
-    determinant: Doubles = np.einsum("nk,nk->n", x, np.cross(y, z))
+    determinant: Doubles = np.einsum("nk,nk->n", x, cross(y, z))
     return determinant
 
 
@@ -109,7 +109,7 @@ def _check_reach(positions: Doubles, placement: Placement, begin: int) -> None:
 def _normals(shape: Shape, world: Doubles, flipped: Bools) -> Floats:
     """Normals go by the inverse transpose, which is the cofactors up to the determinant's sign."""
     x, y, z = np.moveaxis(_linear(world), 2, 0)
-    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=2)
+    cofactors = np.stack([cross(y, z), cross(z, x), cross(x, y)], axis=2)
     cofactors[flipped] *= -1
     turned = shape.normals.astype(np.float64) @ np.swapaxes(cofactors, 1, 2)
     normals, good = unit(turned.reshape(-1, 3))
