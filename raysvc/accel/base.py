@@ -83,9 +83,8 @@ class Builder(Protocol):
         """Build; `params` is an instance of the registry entry's parameter class."""
 
 
-def nearest(structure: Accelerator, triangles: Triangles, rays: Rays) -> Hits:
-    """Nearest hits, with t and barycentrics computed from the triangle and not by the structure."""
-    triangle = structure.nearest_triangle(rays)
+def hits_on(triangles: Triangles, triangle: Ints, rays: Rays) -> Hits:
+    """Hits of rays whose triangle (R,) is known: t and barycentrics come from the triangle alone."""
     t = np.empty(len(rays), np.float32)
     barycentric = np.empty((len(rays), 2), np.float32)
     hits_on_triangles(
@@ -98,3 +97,8 @@ def nearest(structure: Accelerator, triangles: Triangles, rays: Rays) -> Hits:
         barycentric,
     )
     return Hits(t, triangle, barycentric)
+
+
+def nearest(structure: Accelerator, triangles: Triangles, rays: Rays) -> Hits:
+    """Nearest hits; the structure says only which triangle."""
+    return hits_on(triangles, structure.nearest_triangle(rays), rays)
