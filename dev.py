@@ -39,7 +39,7 @@ MARKERS = {"embreex": "platform_machine != 'aarch64' or sys_platform == 'darwin'
 
 
 def demo(arguments: list[str]) -> int:
-    """Start the service, post a scene to it over HTTP, leave demo/picture.png, .exr and stats.json."""
+    """Start the service, post a scene to it over HTTP, leave pictures and timings in demo/."""
     return _python("-m", "raysvc", "demo", *arguments)
 
 

@@ -29,7 +29,9 @@ class Form:
         ):
             for name in given:
                 if name not in known:
-                    raise InvalidInput(f"unknown {what}; known are {', '.join(sorted(known))}", name)
+                    raise InvalidInput(
+                        f"unknown {what}; known are {', '.join(sorted(known))}", name
+                    )
 
     def upload(self, field: str, main: str | None = None) -> Upload:
         """Read a field's files into memory; blocks, so call it from a thread."""

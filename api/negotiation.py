@@ -37,7 +37,7 @@ def format_for(accept: str | None) -> str:
 
 
 def wait_seconds(prefer: list[str]) -> float | None:
-    """Return N of `Prefer: wait=N` (RFC 7240, section 4.3), or None; what is not understood is ignored."""
+    """Return N of `Prefer: wait=N` (RFC 7240, section 4.3); what is not understood is ignored."""
     found = _WAIT.search(",".join(prefer))
     return float(found.group(1)) if found else None
 

@@ -82,4 +82,3 @@ def statistics_headers(job: Job) -> dict[str, str]:
     if len(text) <= LONGEST_HEADER:
         headers["X-Raysvc-Statistics"] = text
     return headers
-

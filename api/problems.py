@@ -1,7 +1,7 @@
 """What went wrong, as RFC 9457 problem details: one table, one shape.
 
-    {"type": "urn:raysvc:problem:invalid-scene", "title": "...", "status": 422, "detail": "...",
-     "instance": "/v1/scenes", "field": "meshes[0].primitives[0].indices", "retryable": false}
+{"type": "urn:raysvc:problem:invalid-scene", "title": "...", "status": 422, "detail": "...",
+ "instance": "/v1/scenes", "field": "meshes[0].primitives[0].indices", "retryable": false}
 """
 
 import logging
@@ -66,7 +66,9 @@ PROBLEMS: Final[Mapping[type[errors.RaysvcError], Problem]] = MappingProxyType(
             HTTPStatus.UNPROCESSABLE_ENTITY, "invalid-setting", "A setting is wrong"
         ),
         errors.Unsupported: Problem(
-            HTTPStatus.UNPROCESSABLE_ENTITY, "unsupported", "The scene requires something unsupported"
+            HTTPStatus.UNPROCESSABLE_ENTITY,
+            "unsupported",
+            "The scene requires something unsupported",
         ),
         errors.LimitExceeded: Problem(
             HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "limit-exceeded", "Larger than the limit"

@@ -12,7 +12,10 @@ from raysvc.loading.scene_file import BUILTIN_PREFIX
 
 
 def submit(service: RenderService, body: Mapping[str, Any]) -> Job:
-    """Check every part of a body and queue it. Raises InvalidSetting, NotFound, QueueFull. Blocks."""
+    """Check every part of a body and queue it; blocks.
+
+    Raises InvalidInput, NotFound, QueueFull.
+    """
     for key in body:
         if key not in RenderBody.model_fields:
             raise InvalidSetting("unknown key", field=key)

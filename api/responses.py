@@ -7,7 +7,7 @@ from starlette.responses import JSONResponse
 
 
 class SafeJSONResponse(JSONResponse):
-    """ASCII JSON: names out of scene files may hold what UTF-8 cannot say, such as lone surrogates."""
+    """ASCII JSON: names out of scene files may hold what UTF-8 cannot say (lone surrogates)."""
 
     def render(self, content: Any) -> bytes:
         """Encode; refuses NaN and infinity."""

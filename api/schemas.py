@@ -27,7 +27,9 @@ class RenderBody(BaseModel):
     environment: str | None = Field(
         None, description="An environment's id, or `builtin:NAME`; the clear sky by default."
     )
-    camera: View = Field(default_factory=View, description="From where; framed on the bounds by default.")
+    camera: View = Field(
+        default_factory=View, description="From where; framed on the bounds by default."
+    )
     settings: Settings = Field(default_factory=Settings, description="How.")
 
 
@@ -144,8 +146,8 @@ def environment_resource(record: Record) -> EnvironmentResource:
 
 
 def render_resource(job: Job, position: int | None) -> RenderResource:
-    """Present a job. Its state is read first: what belongs to a state is set before the state is."""
-    state = job.state
+    """Present a job."""
+    state = job.state  # read first: what belongs to a state is set before the state is
     path = f"/v1/renders/{job.id}"
     links = {"self": path}
     if state is JobState.DONE:

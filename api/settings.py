@@ -1,4 +1,4 @@
-"""What whoever runs the service may choose, through environment variables that begin with RAYSVC_."""
+"""What whoever runs the service may choose, through environment variables RAYSVC_..."""
 
 import dataclasses
 import os

@@ -13,7 +13,10 @@ router = APIRouter(prefix="/v1/environments", tags=["environments"], responses=P
 @router.post(
     "",
     status_code=201,
-    responses={200: {"model": EnvironmentResource, "description": "Known already"}, 201: {"model": EnvironmentResource}},
+    responses={
+        200: {"model": EnvironmentResource, "description": "Known already"},
+        201: {"model": EnvironmentResource},
+    },
     openapi_extra=UPLOAD_BODY,
 )
 async def add_environment(request: Request, context: ContextDep) -> Response:
@@ -28,7 +31,9 @@ async def add_environment(request: Request, context: ContextDep) -> Response:
 @router.get("", responses={200: {"model": EnvironmentList}})
 async def list_environments(context: ContextDep) -> Response:
     """All environments, newest first."""
-    environments = [environment_resource(record) for record in context.service.environments.records()]
+    environments = [
+        environment_resource(record) for record in context.service.environments.records()
+    ]
     return SafeJSONResponse(EnvironmentList(environments=environments).model_dump(mode="json"))
 
 

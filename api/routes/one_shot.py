@@ -30,8 +30,11 @@ ONE_SHOT_BODY = {
                     "properties": {
                         "scene": {
                             "type": "array",
-                            "items": {"type": "string", "contentMediaType": "application/octet-stream"},
-                            "description": "The scene's files; or its id or `builtin:NAME` as text.",
+                            "items": {
+                                "type": "string",
+                                "contentMediaType": "application/octet-stream",
+                            },
+                            "description": "Files; or as text its id or `builtin:NAME`.",
                         },
                         "environment": {
                             "type": "string",
@@ -50,7 +53,9 @@ ONE_SHOT_BODY = {
 }
 
 
-@router.post("", response_class=Response, responses={200: IMAGE_RESPONSE}, openapi_extra=ONE_SHOT_BODY)
+@router.post(
+    "", response_class=Response, responses={200: IMAGE_RESPONSE}, openapi_extra=ONE_SHOT_BODY
+)
 async def render(
     query: Annotated[ImageQuery, Query()], request: Request, context: ContextDep
 ) -> Response:

@@ -1,4 +1,4 @@
-"""The way in: links at `/`, and the documentation at `/docs`, which needs nothing from elsewhere."""
+"""The way in: links at `/`, and documentation at `/docs`, which needs nothing from elsewhere."""
 
 from pathlib import Path
 

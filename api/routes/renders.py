@@ -57,9 +57,7 @@ async def get_render(id: str, context: ContextDep) -> Response:
     """How far a render is, and what it took."""
     job = context.service.job(id)
     resource = render_resource(job, context.service.position(job))
-    return SafeJSONResponse(
-        resource.model_dump(mode="json"), headers={"Cache-Control": "no-store"}
-    )
+    return SafeJSONResponse(resource.model_dump(mode="json"), headers={"Cache-Control": "no-store"})
 
 
 @router.get("/{id}/image", response_class=Response, responses={200: IMAGE_RESPONSE})

@@ -13,7 +13,10 @@ router = APIRouter(prefix="/v1/scenes", tags=["scenes"], responses=PROBLEM_RESPO
 @router.post(
     "",
     status_code=201,
-    responses={200: {"model": SceneResource, "description": "Known already"}, 201: {"model": SceneResource}},
+    responses={
+        200: {"model": SceneResource, "description": "Known already"},
+        201: {"model": SceneResource},
+    },
     openapi_extra=UPLOAD_BODY,
 )
 async def add_scene(request: Request, context: ContextDep) -> Response:

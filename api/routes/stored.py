@@ -22,7 +22,10 @@ UPLOAD_BODY: dict[str, Any] = {
                     "properties": {
                         "file": {
                             "type": "array",
-                            "items": {"type": "string", "contentMediaType": "application/octet-stream"},
+                            "items": {
+                                "type": "string",
+                                "contentMediaType": "application/octet-stream",
+                            },
                             "description": "One file, several with relative names, or a .zip.",
                         },
                         "main": {
@@ -46,7 +49,9 @@ async def add(request: Request, context: Context, store: ContentStore[Any]) -> t
     """Take a body in; returns the record and whether it is new."""
     settings = context.settings
     if not is_multipart(request):
-        body = checked(BuiltinBody, await read_json_object(request, settings.max_json_bytes), "body")
+        body = checked(
+            BuiltinBody, await read_json_object(request, settings.max_json_bytes), "body"
+        )
         return await context.heavy(lambda: store.add_builtin(body.builtin))
     form = await read_form(request, settings.max_upload_files, settings.max_json_bytes)
     try:

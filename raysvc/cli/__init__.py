@@ -1,7 +1,7 @@
 """The command line: `raysvc serve | render | inspect | demo`.
 
-Wrong input ends with exit code 2 and one line `error: field: message`; any other failure with 1; Ctrl-C
-with 130.
+Wrong input ends with exit code 2 and one line `error: field: message`; any other failure with 1;
+Ctrl-C with 130.
 """
 
 from raysvc.cli.app import main

@@ -1,4 +1,4 @@
-"""`raysvc demo`: the service started, asked over HTTP, and stopped; leaves a picture and its timings."""
+"""`raysvc demo`: the service started, asked over HTTP, stopped; leaves a picture and timings."""
 
 import json
 import subprocess
@@ -30,7 +30,7 @@ def demo(
     scene: Annotated[str, typer.Option("--scene", help="A built-in scene.")] = "torus_park",
     size: Annotated[str, typer.Option("--size", help="WIDTHxHEIGHT in pixels.")] = "1280x720",
 ) -> None:
-    """Start the service, post a scene to it over HTTP, and leave picture.png, picture.exr, stats.json."""
+    """Start the service, post a scene to it over HTTP, and leave pictures and timings."""
     camera = camera_mapping(None, size)
     folder.mkdir(parents=True, exist_ok=True)
     with (

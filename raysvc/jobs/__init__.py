@@ -1,7 +1,7 @@
-"""What to render next: jobs, the queue they wait in, the worker that takes them, the stores they read.
+"""What to render next: jobs, their queue, the worker that takes them, the stores they read.
 
     RenderService   everything below, wired together; what `api` talks to
-      ContentStore    scenes and environments, on disk under the SHA-256 of their content, parsed in memory
+      ContentStore    scenes and environments by the SHA-256 of their content, on disk and parsed
       JobQueue        a bounded line of jobs
       Worker          one thread, one job at a time
       Results         finished pictures, the least recently used ones make room

@@ -52,7 +52,7 @@ class RenderRequest:
 
     @property
     def name(self) -> str:
-        """SHA-256 in hex of what decides the picture: not of the number of threads, nor of patience."""
+        """SHA-256 in hex of what decides the picture: not of threads, nor of patience."""
         decisive = {
             "version": VERSION,
             "scene": self.scene,
@@ -124,8 +124,10 @@ class Job:
     def _move(self, state: JobState) -> None:
         if state not in TRANSITIONS[self.state]:
             raise AssertionError(f"a {self.state} job cannot become {state}")
-        self.state = state
-        if not TRANSITIONS[state]:
+        ended = not TRANSITIONS[state]
+        if ended:
             self.finished_s = time.time()
             self._control = None
+        self.state = state  # last: who sees a state sees what belongs to it
+        if ended:
             self.finished.set_result(None)

@@ -4,8 +4,8 @@
     FOLDER/ID/0, 1, ...       the files as they were sent
     FOLDER/incoming/...       what is being written; a rename makes it visible, whole
 
-Only numbers become file names, whatever names a caller sends. The parsed things are kept in memory while
-there is room. One process owns a folder.
+Only numbers become file names, whatever names a caller sends. The parsed things are kept in memory
+while there is room. One process owns a folder.
 """
 
 import hashlib
@@ -91,7 +91,7 @@ class ContentStore(Generic[Thing]):
         self._records = {record.id: record for record in found if record is not None}
 
     def add(self, upload: Upload) -> tuple[Record, bool]:
-        """Parse and keep; returns the record and whether it is new. Nothing is kept of bad input."""
+        """Parse and keep; returns the record and whether it is new. Bad input leaves nothing."""
         id = upload.id
         known = self._records.get(id)
         if known is not None:
@@ -177,7 +177,7 @@ class ContentStore(Generic[Thing]):
 
 
 def _read_record(folder: Path) -> Record | None:
-    """Read what an earlier process kept; skip what is damaged or a built-in thing of another version."""
+    """Read what an earlier process kept; skip what is damaged, or built in another version."""
     try:
         values = json.loads((folder / "record.json").read_text(encoding="utf-8"))
         record = Record(**{**values, "files": tuple(values["files"])})

@@ -1,4 +1,4 @@
-"""One application per test, with a small queue, its own folder and a renderer that paints a pattern."""
+"""One application per test: a small queue, its own folder, a renderer that paints a pattern."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack

@@ -1,4 +1,4 @@
-"""Files made to break loaders: each is taken or refused as the client's mistake, and names a field."""
+"""Files made to break loaders: each is taken, or refused as the client's mistake by name."""
 
 import os
 from pathlib import Path
@@ -21,9 +21,7 @@ def test_hostile_files_are_taken_or_refused_by_name(
     faults = []
     for path in crafted(assets):
         collection = "environments" if path.suffix in (".hdr", ".exr") else "scenes"
-        response = client.post(
-            f"/v1/{collection}", files={"file": (path.name, path.read_bytes())}
-        )
+        response = client.post(f"/v1/{collection}", files={"file": (path.name, path.read_bytes())})
         if response.status_code in (200, 201):
             continue
         body = response.json()

@@ -35,7 +35,9 @@ def test_the_schema_describes_bodies_with_their_names(client: TestClient) -> Non
 
 
 def test_the_structures_are_listed_with_their_parameters(client: TestClient) -> None:
-    structures = {entry["name"]: entry for entry in client.get("/v1/structures").json()["structures"]}
+    structures = {
+        entry["name"]: entry for entry in client.get("/v1/structures").json()["structures"]
+    }
     assert {"embree", "brute"} <= set(structures)
     assert structures["brute"]["available"] is True
     assert structures["brute"]["why_not"] is None
@@ -85,7 +87,9 @@ def test_health_is_answered_while_uploads_and_renders_wait(make_client: MakeClie
     client = make_client(renderer)
     body = {"scene": "builtin:cornell", "camera": {"width": 4, "height": 4}}
     waiting = threading.Thread(
-        target=client.post, args=("/v1/renders",), kwargs={"json": body, "headers": {"Prefer": "wait=5"}}
+        target=client.post,
+        args=("/v1/renders",),
+        kwargs={"json": body, "headers": {"Prefer": "wait=5"}},
     )
     waiting.start()
     assert client.get("/healthz").status_code == 200

@@ -29,7 +29,17 @@ def test_a_file_holds_one_idea(path: Path) -> None:
 
 @pytest.mark.parametrize("folder", ["raysvc", "api"])
 def test_no_package_is_called_after_nothing(folder: str) -> None:
-    vague = {"utils", "util", "common", "helpers", "helper", "core", "misc", "manager", "base_utils"}
+    vague = {
+        "utils",
+        "util",
+        "common",
+        "helpers",
+        "helper",
+        "core",
+        "misc",
+        "manager",
+        "base_utils",
+    }
     names = {path.stem for path in (ROOT / folder).rglob("*.py")}
     assert not names & vague
 
