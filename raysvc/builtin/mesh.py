@@ -73,6 +73,10 @@ class Mesh:
         """Return the mesh with its texture repeated."""
         return replace(self, uv=self.uv * (repeats_u, repeats_v))
 
+    def textured_at(self, u: float, v: float) -> "Mesh":
+        """Return the mesh with the colour that its texture has at one place."""
+        return replace(self, uv=np.tile((u, v), (len(self.uv), 1)))
+
     def _rotated(self, rotation: Doubles) -> "Mesh":
         return replace(
             self,

@@ -8,6 +8,8 @@ from raysvc.builtin.shapes import box, disc, frustum, lathe, sphere
 WOOD = (0.30, 0.17, 0.08)
 LIMESTONE = (0.72, 0.68, 0.60)
 OPAL = (1.0, 0.97, 0.90)
+SLAB = (0.125, 0.0625)
+"""Middle of a slab in the paving of eight rows, away from the dark joints."""
 
 
 def plinth(radius: float, height: float) -> Mesh:
@@ -16,7 +18,7 @@ def plinth(radius: float, height: float) -> Mesh:
     rim = 0.06
     corner = np.column_stack([radius - rim * (1 - np.cos(turn)), height - rim * (1 - np.sin(turn))])
     side = lathe(np.vstack([[radius, 0.0], corner]), [96] * 8).textured(4, 0.3)
-    top = disc(radius - rim, 96).moved([0, height, 0]).textured(0, 0)
+    top = disc(radius - rim, 96).moved([0, height, 0]).textured_at(*SLAB)
     foot = frustum(1.25 * radius, 1.25 * radius, 0.16, 96).textured(4, 0.1)
     tread = lathe(np.array([[1.25 * radius, 0.16], [radius, 0.16]]), [96, 96]).textured(4, 0.15)
     return merged([side, top, foot, tread]).coloured(LIMESTONE)
@@ -33,7 +35,7 @@ def lamp_post() -> tuple[Mesh, Mesh]:
     )  # fmt: skip
     post = lathe(profile, [24] * len(profile))
     cap = lathe(np.array([[0.14, 3.29], [0.07, 3.36], [0.015, 3.40], [0.0, 3.5]]), [20, 16, 10, 0])
-    globe = sphere(0.2, 12).moved([0, 3.13, 0]).coloured(OPAL).textured(0, 0)
+    globe = sphere(0.2, 12).moved([0, 3.13, 0]).coloured(OPAL).textured_at(*SLAB)
     return merged([post, cap]), globe
 
 
@@ -52,4 +54,4 @@ def bench() -> tuple[Mesh, Mesh]:
         slats.append(box(1.7, 0.035, 0.1).moved([0, 0.44, depth]))
     for level in (0.55, 0.68, 0.81):
         slats.append(box(1.7, 0.1, 0.03).turned(-8, 0).moved([0, level, -0.2 - 0.14 * level]))
-    return merged(legs), merged(slats).coloured(WOOD).textured(0.0, 0.0)
+    return merged(legs), merged(slats).coloured(WOOD).textured_at(*SLAB)

@@ -75,7 +75,7 @@ def _leaves(centres: Doubles, radii: Doubles, foliage: Foliage, rng: np.random.G
     depth = 0.86 + 0.22 * rng.random(count)
     middle = centres[puff] + outward * (radii[puff] * depth)[:, None]
 
-    facing = unit(outward + 0.9 * _directions(count, rng))
+    facing = unit(outward + 0.7 * _directions(count, rng))
     along = unit(np.cross(facing, _directions(count, rng)))
     aside = np.cross(along, facing)
     half_length = 0.5 * foliage.length * (0.7 + 0.6 * rng.random(count))[:, None]
@@ -100,7 +100,10 @@ def _leaves(centres: Doubles, radii: Doubles, foliage: Foliage, rng: np.random.G
 
 
 def blades(roots: Doubles, height: float, colour: Colour, rng: np.random.Generator) -> Mesh:
-    """Grass: one triangle for each of (N, 3) roots, leaning at random."""
+    """Grass: two triangles for each of (N, 3) roots, back to back, leaning at random.
+
+    Both sides are lit from above: a back face alone would have its normal turned into the ground.
+    """
     count = len(roots)
     turn = 2.0 * np.pi * rng.random(count)
     aside = np.column_stack([np.cos(turn), np.zeros(count), np.sin(turn)])
@@ -109,10 +112,13 @@ def blades(roots: Doubles, height: float, colour: Colour, rng: np.random.Generat
     tip = roots + tall * (np.array([0.0, 1.0, 0.0]) + 0.5 * lean)
     half_width = 0.07 * height
     corners = np.stack([roots + aside * half_width, tip, roots - aside * half_width], axis=1)
+    thickness = 5e-4 * unit(np.cross(aside, tip - roots))[:, None, :]
+    both = np.concatenate([corners + thickness, corners[:, ::-1] - thickness])
     normals = unit(np.array([0.0, 1.0, 0.0]) + 0.25 * lean)
     tone = (0.7 + 0.7 * rng.random(count))[:, None]
     tint = 1.0 + 0.5 * (rng.random(count)[:, None] - 0.5) * np.array([1.0, 0.2, 0.0])
-    return _scattered(corners, normals, aside, np.array(colour) * tone * tint)
+    colours = np.array(colour) * tone * tint
+    return _scattered(both, *(np.concatenate([rows, rows]) for rows in (normals, aside, colours)))
 
 
 def _scattered(corners: Doubles, normals: Doubles, aside: Doubles, colours: Doubles) -> Mesh:

@@ -90,7 +90,7 @@ def _strip(lower: int, lower_edges: int, upper: int, upper_edges: int) -> Longs:
 def apportioned(total: int, weights: Doubles) -> Longs:
     """Share `total` in proportion to weights, exactly, by largest remainders."""
     exact = total * weights / weights.sum()
-    shares = np.floor(exact).astype(np.int64)
+    shares: Longs = np.floor(exact).astype(np.int64)
     order = np.argsort(shares - exact, kind="stable")
     shares[order[: total - int(shares.sum())]] += 1
     return shares
@@ -144,8 +144,8 @@ def frustum(bottom: float, top: float, height: float, edges: int) -> Mesh:
 
 def sheet(width: float, depth: float, columns: int, rows: int) -> Mesh:
     """Flat grid in the xz plane about the origin, facing +Y; u follows +X and v +Z."""
-    u, v = np.meshgrid(np.linspace(0, 1, columns + 1), np.linspace(0, 1, rows + 1))
-    u, v = u.reshape(-1), v.reshape(-1)
+    across, along = np.meshgrid(np.linspace(0, 1, columns + 1), np.linspace(0, 1, rows + 1))
+    u, v = across.reshape(-1), along.reshape(-1)
     zeros, ones = np.zeros(len(u)), np.ones(len(u))
     return Mesh(
         positions=np.column_stack([(u - 0.5) * width, zeros, (v - 0.5) * depth]),

@@ -198,7 +198,9 @@ def _like_plain(colour: tuple[float, float, float, float], **changes: Any) -> Ma
 def _part(mesh: Mapping[str, Any], material: int) -> MeshPart:
     """Arrays that trimesh parsed, checked and with its v turned over."""
     faces = mesh["faces"]
-    if getattr(faces, "dtype", object) == object or np.ndim(faces) != 2 or np.shape(faces)[1] != 3:
+    # Lists and arrays of lists are polygons of different sizes.
+    is_plain = isinstance(faces, np.ndarray) and faces.dtype.kind in "iu" and faces.ndim == 2
+    if not is_plain or faces.shape[1] != 3:
         faces = trimesh.geometry.triangulate_quads(faces)
     uv = getattr(mesh.get("visual"), "uv", None)
     positions = np.asarray(mesh["vertices"], np.float64)

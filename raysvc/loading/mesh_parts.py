@@ -8,7 +8,7 @@ import numpy as np
 from raysvc.errors import InvalidScene
 from raysvc.loading.welding import crease_normals, welded
 from raysvc.scene import Material, Scene, Texture
-from raysvc.types import Doubles, Ints
+from raysvc.types import Doubles, Ints, Longs
 
 MAX_COORDINATE = 1e9
 """In metres. Beyond it, products of four lengths leave the range of float32."""
@@ -33,13 +33,13 @@ class MeshPart:
     """
 
     positions: Doubles
-    triangles: Ints
+    triangles: Ints | Longs
     material: int
     normals: Doubles | None = None
     uv: Doubles | None = None
     colours: Doubles | None = None
 
-    def picked(self, vertices: Ints, triangles: Ints) -> "MeshPart":
+    def picked(self, vertices: Ints | Longs, triangles: Ints | Longs) -> "MeshPart":
         """Return the part with vertices chosen by (N,) numbers, and new triangles."""
         normals, uv, colours = (
             None if array is None else array[vertices]

@@ -63,7 +63,8 @@ def read_3mf(data: bytes, limits: Limits, name: str, warn: Callable[[str], None]
         elif tag in ("basematerials", "colorgroup", "texture2dgroup"):
             warn(f"3MF's {tag} are not read")
     to_metres = _UP @ np.diag([scale, scale, scale, 1.0])
-    parts, triangles = [], 0
+    parts: list[MeshPart] = []
+    triangles = 0
     for reference, transform in build:
         for placed, world in _instances(reference, to_metres @ transform, objects, 0, name):
             triangles += len(placed.triangles)

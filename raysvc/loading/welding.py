@@ -8,7 +8,7 @@ CREASE_DEG = 60.0
 
 
 def crease_normals(
-    positions: Doubles, triangles: Ints, crease_deg: float = CREASE_DEG
+    positions: Doubles, triangles: Ints | Longs, crease_deg: float = CREASE_DEG
 ) -> tuple[Longs, Ints, Doubles]:
     """Compute normals, splitting vertices along creases.
 
@@ -22,7 +22,7 @@ def crease_normals(
     positions
         (V, 3) float64
     triangles
-        (F, 3) int32
+        (F, 3) integers
     crease_deg
         angle between triangles' normals from which their common edge is sharp
 
