@@ -9,11 +9,11 @@ from raysvc.loading.gltf.accessors import Accessors
 from raysvc.loading.gltf.directions import (
     face_normals,
     smooth_normals,
-    tangents,
     unit,
     without_area,
 )
 from raysvc.loading.gltf.journal import Journal
+from raysvc.loading.gltf.tangents import tangents
 from raysvc.scene import TextureRef
 from raysvc.types import Floats, Longs
 
@@ -186,7 +186,7 @@ def _flat(shape: Shape) -> Shape:
     normals = face_normals(shape.positions, shape.triangles)
     return Shape(
         shape.positions[corners],
-        np.repeat(normals, 3, axis=0).astype(np.float32),
+        np.repeat(normals, 3, axis=0),
         np.zeros((len(corners), 4), np.float32),
         shape.uv[corners],
         shape.colours[corners],

@@ -6,11 +6,9 @@ import numpy as np
 
 from raysvc.errors import InvalidScene
 from raysvc.loading.gltf.attributes import LARGEST_COORDINATE, Shape
-from raysvc.loading.gltf.directions import cross, unit
+from raysvc.loading.gltf.directions import AT_ONCE, blocks, cross, unit
 from raysvc.loading.gltf.instances import Placement
 from raysvc.types import Bools, Doubles, Floats, Ints
-
-_VERTICES_AT_ONCE = 1 << 20
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,25 +52,29 @@ def place(
     the tangents' handedness. Raises InvalidScene for a position that is too far out.
     """
     vertices, triangles = len(shape.positions), len(shape.triangles)
+    instances = len(placement.nodes)
     mirrored = determinants(placement.world) < 0
-    at_once = max(1, _VERTICES_AT_ONCE // max(1, vertices))
-    for begin in range(0, len(placement.nodes), at_once):
-        end = min(begin + at_once, len(placement.nodes))
-        world, flipped = placement.world[begin:end], mirrored[begin:end]
-        rows = slice(first_vertex + begin * vertices, first_vertex + end * vertices)
-        positions = _positions(shape, world)
-        _check_reach(positions, placement, begin)
-        arrays.positions[rows] = positions.reshape(-1, 3)
-        arrays.normals[rows] = _normals(shape, world, flipped)
-        arrays.tangents[rows] = _tangents(shape, world, flipped)
-        count = end - begin
-        arrays.uv[rows] = np.broadcast_to(shape.uv, (count, vertices, 2, 2)).reshape(-1, 2, 2)
-        arrays.colours[rows] = np.broadcast_to(shape.colours, (count, vertices, 4)).reshape(-1, 4)
-        starts = first_vertex + vertices * np.arange(begin, end)
-        corners = shape.triangles[None] + starts[:, None, None]
-        corners[flipped] = corners[flipped][:, :, [0, 2, 1]]
-        faces = slice(first_triangle + begin * triangles, first_triangle + end * triangles)
-        arrays.triangles[faces] = corners.reshape(-1, 3)
+    rows = slice(first_vertex, first_vertex + instances * vertices)
+    out = [
+        array[rows].reshape(instances, vertices, -1)
+        for array in (arrays.positions, arrays.normals, arrays.tangents, arrays.uv, arrays.colours)
+    ]
+    flat_uv, tangent = shape.uv.reshape(vertices, 4), bool(shape.tangents.any())
+    for some in blocks(instances, AT_ONCE // max(1, vertices)):
+        world, flipped = placement.world[some], mirrored[some]
+        for part in blocks(vertices):
+            positions = _positions(shape.positions[part], world)
+            _check_reach(positions, placement, some.start)
+            out[0][some, part] = positions
+            out[1][some, part] = _normals(shape.normals[part], world, flipped)
+            out[2][some, part] = _tangents(shape.tangents[part], world, flipped) if tangent else 0.0
+        out[3][some] = flat_uv
+        out[4][some] = shape.colours
+    faces = slice(first_triangle, first_triangle + instances * triangles)
+    turned = arrays.triangles[faces].reshape(instances, triangles, 3)
+    starts = first_vertex + vertices * np.arange(instances)
+    np.add(shape.triangles, starts[:, None, None], out=turned, casting="unsafe")
+    turned[mirrored] = turned[mirrored][:, :, [0, 2, 1]]
 
 
 def determinants(world: Doubles) -> Doubles:
@@ -90,8 +92,8 @@ def _linear(world: Doubles) -> Doubles:
     return scaled
 
 
-def _positions(shape: Shape, world: Doubles) -> Doubles:
-    local = shape.positions.astype(np.float64)
+def _positions(positions: Floats, world: Doubles) -> Doubles:
+    local = positions.astype(np.float64)
     with np.errstate(over="ignore", invalid="ignore"):
         return local @ np.swapaxes(world[:, :3, :3], 1, 2) + world[:, None, :3, 3]
 
@@ -106,25 +108,20 @@ def _check_reach(positions: Doubles, placement: Placement, begin: int) -> None:
         )
 
 
-def _normals(shape: Shape, world: Doubles, flipped: Bools) -> Floats:
+def _normals(normals: Floats, world: Doubles, flipped: Bools) -> Doubles:
     """Normals go by the inverse transpose, which is the cofactors up to the determinant's sign."""
     x, y, z = np.moveaxis(_linear(world), 2, 0)
     cofactors = np.stack([cross(y, z), cross(z, x), cross(x, y)], axis=2)
     cofactors[flipped] *= -1
-    turned = shape.normals.astype(np.float64) @ np.swapaxes(cofactors, 1, 2)
-    normals, good = unit(turned.reshape(-1, 3))
-    normals[~good] = (0.0, 1.0, 0.0)
-    return normals.astype(np.float32)
-
-
-def _tangents(shape: Shape, world: Doubles, flipped: Bools) -> Floats:
-    made = np.zeros((len(world), len(shape.positions), 4), np.float32)
-    if not shape.tangents.any():
-        return made.reshape(-1, 4)
-    local = shape.tangents[:, :3].astype(np.float64)
-    turned = local @ np.swapaxes(_linear(world), 1, 2)
+    turned = normals.astype(np.float64) @ np.swapaxes(cofactors, 1, 2)
     directions, good = unit(turned.reshape(-1, 3))
-    made[:, :, :3] = directions.reshape(turned.shape)
-    sign = np.where(flipped, -1.0, 1.0)[:, None] * shape.tangents[None, :, 3]
-    made[:, :, 3] = np.where(good.reshape(sign.shape), sign, 0.0)
-    return made.reshape(-1, 4)
+    directions[~good] = (0.0, 1.0, 0.0)
+    return directions.reshape(turned.shape)
+
+
+def _tangents(tangents: Floats, world: Doubles, flipped: Bools) -> Doubles:
+    turned = tangents[:, :3].astype(np.float64) @ np.swapaxes(_linear(world), 1, 2)
+    directions, good = unit(turned.reshape(-1, 3))
+    sign = np.where(flipped, -1.0, 1.0)[:, None] * tangents[None, :, 3]
+    sign = np.where(good.reshape(sign.shape), sign, 0.0)
+    return np.concatenate([directions.reshape(turned.shape), sign[:, :, None]], axis=2)

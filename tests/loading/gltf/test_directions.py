@@ -4,7 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from raysvc.loading.gltf.directions import smooth_normals, tangents, unit
+from raysvc.loading.gltf.directions import smooth_normals, unit
+from raysvc.loading.gltf.tangents import tangents
 from tests.loading.gltf.building import QUAD, QUAD_INDICES, QUAD_UV, Builder
 
 UP = np.tile(np.array([0, 0, 1], np.float32), (4, 1))
