@@ -28,7 +28,7 @@ def path_mesh() -> Mesh:
     z = _PATH_Z[0] + along * (_PATH_Z[1] - _PATH_Z[0])
     x = _path_x(z) - across * PATH_WIDTH
     height, normals = height_of_ground(x, z)
-    tangents = np.column_stack([-np.ones(len(x)), normals[:, 0], np.zeros(len(x))])
+    tangents = np.column_stack([-normals[:, 1], normals[:, 0], np.zeros(len(x))])
     tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
     length = abs(_PATH_Z[1] - _PATH_Z[0])
     return Mesh(
