@@ -14,7 +14,7 @@ from api.body_limit import BodyLimit
 from api.context import Context
 from api.routes import environments, health, one_shot, pages, renders, scenes, structures
 from api.schemas import RenderBody
-from api.settings import ApiSettings
+from api.settings import ApiSettings, settings_from_environment
 from raysvc.jobs import MakeRenderer, RenderService, SceneRenderer
 from raysvc.version import VERSION
 
@@ -25,11 +25,11 @@ FORM_OVERHEAD_BYTES = 1 << 20
 def create_app(
     settings: ApiSettings | None = None, make_renderer: MakeRenderer = SceneRenderer
 ) -> FastAPI:
-    """Build the application; settings come from the environment by default.
+    """Build the application; settings come from the environment by default (or InvalidSetting).
 
     The service starts and stops with the application's lifespan.
     """
-    settings = settings or ApiSettings()
+    settings = settings or settings_from_environment()
     service = RenderService(settings.service_options(), make_renderer)
 
     @asynccontextmanager

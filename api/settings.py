@@ -4,9 +4,10 @@ import dataclasses
 import os
 from pathlib import Path
 
-from pydantic import Field
+from pydantic import Field, ValidationError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from raysvc.errors import InvalidSetting
 from raysvc.jobs import ServiceOptions
 from raysvc.limits import DEFAULT_LIMITS, Limits
 
@@ -94,3 +95,14 @@ class ApiSettings(BaseSettings):
             result_memory_bytes=self.result_memory_bytes,
             limits=self.limits(),
         )
+
+
+def settings_from_environment() -> ApiSettings:
+    """Read RAYSVC_... variables. Raises InvalidSetting naming the first that is wrong."""
+    try:
+        return ApiSettings()
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        name = "RAYSVC_" + "_".join(str(part).upper() for part in fault["loc"])
+        given = repr(fault["input"])[:80]
+        raise InvalidSetting(f"{fault['msg']} (got {given})", field=name) from None

@@ -39,14 +39,14 @@ def demo(
         httpx.Client(base_url=url, timeout=120.0) as client,
     ):
         with progress_bar("demo") as report:
-            report("compiling kernels (first time only)", 0.0)
+            typer.echo("starting the service; the first time it compiles its kernels", err=True)
+            report("getting ready", 0.0)
             _wait_until_ready(client)
-            report("posting the scene", 0.0)
+            typer.echo(f"posting {scene} to {url}/v1/scenes", err=True)
             stored = _answer(client.post("/v1/scenes", json={"builtin": scene}))
             if stored["cameras"]:
                 camera["gltf_camera"] = 0
             body = {"scene": stored["id"], "camera": camera}
-            report("rendering", 0.0)
             render = _answer(client.post("/v1/renders", json=body))
             while render["state"] in ("queued", "running"):
                 time.sleep(LOOK_EVERY_S)

@@ -10,6 +10,8 @@ import uvicorn
 
 APPLICATION = "api.app:create_app"
 """By name: the core never imports `api`."""
+ANSWERS_WITHIN_S = 20
+"""Time that open requests have to be answered once the service is told to stop."""
 
 
 def serve(
@@ -26,7 +28,12 @@ def serve(
     if data_dir is not None:
         os.environ["RAYSVC_DATA_DIR"] = str(data_dir)
     config = uvicorn.Config(
-        APPLICATION, factory=True, host=host, port=port, log_level="info", server_header=False
+        APPLICATION,
+        factory=True,
+        host=host,
+        port=port,
+        server_header=False,
+        timeout_graceful_shutdown=ANSWERS_WITHIN_S,
     )
     listening = _listen(host, port)
     address = f"[{host}]" if ":" in host else host
