@@ -6,7 +6,7 @@ from raysvc.types import Doubles, Floats
 
 @kernel
 def accumulate(image: Floats | Doubles, table: Doubles) -> None:
-    """Fill rows and columns 1.. of `table` (H+1, W+1, C) with sums of `image` (H, W, C), in one pass.
+    """Fill rows, columns 1.. of `table` (H+1, W+1, C) with sums of `image` (H, W, C) in one pass.
 
     Row and column 0 of the table must be zero on entry.
     """
@@ -30,7 +30,8 @@ def corner(table: Doubles, row: float, column: float, channel: int) -> float:
     v, u = row - i, column - j
     above = table[i, j, channel] * (1.0 - u) + table[i, j + 1, channel] * u
     below = table[i + 1, j, channel] * (1.0 - u) + table[i + 1, j + 1, channel] * u
-    return above * (1.0 - v) + below * v
+    result: float = above * (1.0 - v) + below * v
+    return result
 
 
 @kernel
@@ -52,27 +53,37 @@ def sum_boxes(table: Doubles, boxes: Doubles, sums: Doubles) -> None:
 
 
 @inlined
+def _corner_rgb(table: Doubles, row: float, column: float) -> tuple[float, float, float]:
+    """RGB sums above and left of a fractional position within the image."""
+    i = min(int(row), table.shape[0] - 2)
+    j = min(int(column), table.shape[1] - 2)
+    v, u = row - i, column - j
+    w00, w01, w10, w11 = (1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u
+    # Plain element reads: a view of a texel would count references, atomically
+    return (
+        w00 * table[i, j, 0]
+        + w01 * table[i, j + 1, 0]
+        + w10 * table[i + 1, j, 0]
+        + w11 * table[i + 1, j + 1, 0],
+        w00 * table[i, j, 1]
+        + w01 * table[i, j + 1, 1]
+        + w10 * table[i + 1, j, 1]
+        + w11 * table[i + 1, j + 1, 1],
+        w00 * table[i, j, 2]
+        + w01 * table[i, j + 1, 2]
+        + w10 * table[i + 1, j, 2]
+        + w11 * table[i + 1, j + 1, 2],
+    )
+
+
+@inlined
 def _column_rgb(
     table: Doubles, top: float, bottom: float, column: float
 ) -> tuple[float, float, float]:
     """RGB sums left of a fractional column, between two fractional rows."""
-    j = min(int(column), table.shape[1] - 2)
-    u = column - j
-    i = min(int(bottom), table.shape[0] - 2)
-    v = bottom - i
-    w00, w01, w10, w11 = (1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u
-    a, b, c, d = table[i, j], table[i, j + 1], table[i + 1, j], table[i + 1, j + 1]
-    red = w00 * a[0] + w01 * b[0] + w10 * c[0] + w11 * d[0]
-    green = w00 * a[1] + w01 * b[1] + w10 * c[1] + w11 * d[1]
-    blue = w00 * a[2] + w01 * b[2] + w10 * c[2] + w11 * d[2]
-    i = min(int(top), table.shape[0] - 2)
-    v = top - i
-    w00, w01, w10, w11 = (1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u
-    a, b, c, d = table[i, j], table[i, j + 1], table[i + 1, j], table[i + 1, j + 1]
-    red -= w00 * a[0] + w01 * b[0] + w10 * c[0] + w11 * d[0]
-    green -= w00 * a[1] + w01 * b[1] + w10 * c[1] + w11 * d[1]
-    blue -= w00 * a[2] + w01 * b[2] + w10 * c[2] + w11 * d[2]
-    return red, green, blue
+    red, green, blue = _corner_rgb(table, bottom, column)
+    r, g, b = _corner_rgb(table, top, column)
+    return red - r, green - g, blue - b
 
 
 @inlined

@@ -1,1 +1,5 @@
-"""How surfaces answer light: glTF's BRDF, punctual lights and sun, and environments through summed-area tables."""
+"""How surfaces answer light, by glTF's BRDF.
+
+direct        a sun or punctual light: what arrives, and what is reflected of it
+image_light   an environment: its sun apart, the rest through summed-area tables
+"""

@@ -3,8 +3,8 @@
     specular   integral of F V D N.L           = F0 A(N.V, roughness) + B(N.V, roughness)
     diffuse    integral of (1 - F) N.L c / pi  = c (1 - F0) (1 - C(N.V))
 
-A and B are the terms of Karis's split sum (2013), here of glTF's own formula; C is the mean of (1 - V.H)^5
-over the cosine lobe. The tables are integrated once per process, the same each time.
+A and B are the terms of Karis's split sum (2013), here of glTF's own formula; C is the mean of (1 -
+V.H)^5 over the cosine lobe. The tables are integrated once per process, the same each time.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ QUADRATURE_SAMPLES = 1597
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AlbedoTables:
-    """Read-only tables over sqrt(N.V); even steps of roughness and of the root, both from 0 to 1."""
+    """Read-only tables over sqrt(N.V), in even steps of roughness and root, both 0 to 1."""
 
     specular: Doubles
     """(ROUGHNESS_STEPS, COSINE_STEPS, 2): A, B."""
@@ -51,7 +51,7 @@ def albedo_tables() -> AlbedoTables:
 
 
 def specular_albedo(surface: Surface) -> Floats:
-    """(N, 3) float32 share of constant light that the specular lobe returns: F0 A + B."""
+    """Share (N, 3) float32 of constant light that the specular lobe returns: F0 A + B."""
     albedo = np.empty((len(surface), 3), np.float32)
     specular_albedos(
         albedo_tables().specular,
@@ -67,7 +67,7 @@ def specular_albedo(surface: Surface) -> Floats:
 
 
 def diffuse_albedo(surface: Surface) -> Floats:
-    """(N, 3) float32 share of constant light that the diffuse lobe returns: c_diff (1 - F0) (1 - C)."""
+    """Share (N, 3) float32 of constant light that the diffuse lobe returns: c (1 - F0) (1 - C)."""
     albedo = np.empty((len(surface), 3), np.float32)
     diffuse_albedos(
         albedo_tables().diffuse,

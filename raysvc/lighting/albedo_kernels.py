@@ -12,7 +12,6 @@ from raysvc.lighting.brdf import (
 )
 from raysvc.types import Doubles, Floats
 
-
 GOLDEN = 0.6180339887498949
 
 
@@ -60,16 +59,21 @@ def integrate_diffuse(cosines: Doubles, samples: int, table: Doubles) -> None:
 
 @inlined
 def specular_terms(table: Doubles, nov: float, roughness: float) -> tuple[float, float]:
-    """A, B at a cosine and a roughness: bilinear in `table`, whose axes are roughness and sqrt(cosine)."""
+    """A, B at a cosine and a roughness: bilinear in `table` over roughness and sqrt(cosine)."""
     y = min(max(roughness, 0.0), 1.0) * (table.shape[0] - 1)
     x = math.sqrt(min(max(nov, 0.0), 1.0)) * (table.shape[1] - 1)
     i, j = min(int(y), table.shape[0] - 2), min(int(x), table.shape[1] - 2)
     v, u = y - i, x - j
     w00, w01, w10, w11 = (1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u
-    a, b, c, d = table[i, j], table[i, j + 1], table[i + 1, j], table[i + 1, j + 1]
     return (
-        w00 * a[0] + w01 * b[0] + w10 * c[0] + w11 * d[0],
-        w00 * a[1] + w01 * b[1] + w10 * c[1] + w11 * d[1],
+        w00 * table[i, j, 0]
+        + w01 * table[i, j + 1, 0]
+        + w10 * table[i + 1, j, 0]
+        + w11 * table[i + 1, j + 1, 0],
+        w00 * table[i, j, 1]
+        + w01 * table[i, j + 1, 1]
+        + w10 * table[i + 1, j, 1]
+        + w11 * table[i + 1, j + 1, 1],
     )
 
 
@@ -79,7 +83,8 @@ def diffuse_loss(table: Doubles, nov: float) -> float:
     x = math.sqrt(min(max(nov, 0.0), 1.0)) * (table.shape[0] - 1)
     j = min(int(x), table.shape[0] - 2)
     u = x - j
-    return table[j] * (1.0 - u) + table[j + 1] * u
+    loss: float = table[j] * (1.0 - u) + table[j + 1] * u
+    return loss
 
 
 @kernel

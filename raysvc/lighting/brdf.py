@@ -5,7 +5,7 @@
     F = F0 + (1 - F0) (1 - V.H)^5        Schlick 1994
     D, V with alpha = max(roughness^2, MIN_ALPHA): Walter et al. 2007, Heitz 2014
 
-Every F0 shares one Fresnel weight x = (1 - V.H)^5, F = F0 (1 - x) + x; kernels carry x instead of colours.
+Every F0 shares one Fresnel weight x = (1 - V.H)^5, F = F0 (1 - x) + x; kernels carry x, no colours.
 All cosines are of unit vectors in one hemisphere. Numba computes in the precision of its arguments.
 """
 
@@ -17,7 +17,7 @@ MIN_ALPHA = 1e-3
 """Narrowest lobe that the formula knows; a mirror is this lobe."""
 
 MIRROR_ROUGHNESS = math.sqrt(MIN_ALPHA)
-"""Up to this roughness a surface is in the mirror limit: alpha is clamped and the environment is seen as it is."""
+"""The mirror limit: up to it alpha is clamped, and environments are seen as they are."""
 
 MIN_COSINE = 1e-4
 """Shading normals can turn away from the viewer; N.V is kept at least this."""
@@ -51,9 +51,10 @@ def ggx_density(sine2: float, alpha: float) -> float:
 def ggx_density_under_disc(sine2: float, alpha: float, radius2: float) -> float:
     """D averaged over a disc of half vectors, in closed form.
 
-    In the plane of slopes, D cos^4 = alpha^2 / (pi (s^2 + alpha^2)^2) is what an element of area sees, at
-    height alpha over the plane, of the plane's point at distance s. Its average over a disc is therefore
-    the form factor of an element to a parallel disc (Howell, configuration B-13), over the disc's area.
+    In the plane of slopes, D cos^4 = alpha^2 / (pi (s^2 + alpha^2)^2) is what an element of area
+    sees, at height alpha over the plane, of the plane's point at distance s. Its average over a
+    disc is therefore the form factor of an element to a parallel disc (Howell, configuration B-13),
+    over the disc's area.
 
     Parameters
     ----------
@@ -112,8 +113,9 @@ def visible_normal(
     cos_turn, sin_turn, u
         cosine and sine of a uniform angle, and a uniform number in 0..1
 
-    Reflecting `view` at it has the density G1 D / (4 N.V) per steradian. Unlike Heitz's method of 2018
-    it needs no second frame around the view, so that it stays continuous where view and normal meet.
+    Reflecting `view` at it has the density G1 D / (4 N.V) per steradian. Unlike Heitz's method of
+    2018 it needs no second frame around the view, so that it stays continuous where view and normal
+    meet.
     """
     # Stretch the view, take a point of the cap that it sees, shrink back
     vx, vy, vz = alpha * view[0], alpha * view[1], view[2]

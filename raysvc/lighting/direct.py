@@ -72,8 +72,8 @@ def reflected(
     to_light, irradiance
         (N, 3), (N, 3) float32 as `arriving` gives them
     angular_radius_rad
-        of the disc that the light is; 0 is a point. The disc widens highlights. In the mirror limit a disc
-        has no highlight, for there the environment shows its picture of it.
+        of the disc that the light is; 0 is a point. The disc widens highlights. In the mirror limit
+        a disc has no highlight, for there the environment shows its picture of it.
 
     Returns
     -------

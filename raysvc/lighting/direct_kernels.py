@@ -28,7 +28,7 @@ def reflect_light(
     angular_radius: float,
     radiance: Floats,
 ) -> None:
-    """Write BRDF x irradiance x N.L to `radiance` (N, 3); the light is a disc of `angular_radius` radians."""
+    """Write BRDF x irradiance x N.L of a disc of `angular_radius` radians to `radiance` (N, 3)."""
     for i in range(len(normal)):
         radiance[i, 0] = 0.0
         radiance[i, 1] = 0.0

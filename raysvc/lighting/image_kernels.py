@@ -1,8 +1,9 @@
 """Light from an environment: the lobes' integrals over points, by filtered importance sampling.
 
-A lobe is cut into equally likely parts. Each part is one lookup: a box around the part's direction, of the solid
-angle that the part has (Krivanek and Colbert 2008, with boxes of a summed-area table for mip levels). The
-sum is normalised by the sum of weights and scaled by the lobe's exact albedo, so that constant light is exact.
+A lobe is cut into equally likely parts. Each part is one lookup: a box around the part's direction,
+of the solid angle that the part has (Krivanek and Colbert 2008, with boxes of a summed-area table
+for mip levels). The sum is normalised by the sum of weights and scaled by the lobe's exact albedo,
+so that constant light is exact.
 """
 
 import math
@@ -22,7 +23,7 @@ from raysvc.lighting.brdf import (
 from raysvc.lighting.sphere_kernels import map_radiance, mean_radiance, y_share
 from raysvc.types import Doubles, Floats
 
-MAX_SOLID_ANGLE = 3.0
+MAX_SOLID_ANGLE = 3.5
 """Of a lookup, in steradians."""
 
 MIN_WEIGHT = 1e-6
@@ -46,13 +47,39 @@ def _tangent(nx: float, ny: float, nz: float, around: int) -> tuple[float, float
     return 0.0, -nz * scale, ny * scale
 
 
+@inlined
+def _lifted(
+    lx: float,
+    ly: float,
+    lz: float,
+    nx: float,
+    ny: float,
+    nz: float,
+    nol: float,
+    lift: float,
+    solid_angle: float,
+) -> tuple[float, float, float]:
+    """Unit direction L, raised towards N as far as its box would reach below the horizon.
+
+    `lift` is the height over the horizon that a box is given, in units of half its own height.
+    """
+    low = lift * 0.5 * math.sqrt(solid_angle)
+    if nol >= low:
+        return lx, ly, lz
+    # Shorten the part along the surface so that N.L is `low`
+    low = min(low, 0.999)
+    shrink = math.sqrt((1.0 - low * low) / max(1.0 - nol * nol, 1e-12))
+    up = low - nol * shrink
+    return lx * shrink + nx * up, ly * shrink + ny * up, lz * shrink + nz * up
+
+
 @kernel
 def diffuse_light(
     around_y: Doubles,
     around_x: Doubles,
     losses: Doubles,
     pattern: Doubles,
-    overlap: float,
+    lift: float,
     cos_yaw: float,
     sin_yaw: float,
     strength: float,
@@ -86,7 +113,8 @@ def diffuse_light(
                 lz = a * tz + b * bz + up * nz
                 voh = math.sqrt(max(0.5 + 0.5 * (lx * vx + ly * vy + lz * vz), 0.0))
                 weight = share * (1.0 - fresnel_weight(voh))
-                angle = min(overlap * math.pi / (samples * up), MAX_SOLID_ANGLE)
+                angle = min(pattern[k, 3] * math.pi / up, MAX_SOLID_ANGLE)
+                lx, ly, lz = _lifted(lx, ly, lz, nx, ny, nz, up, lift, angle)
                 r, g, bl = mean_radiance(around_y, around_x, lx, ly, lz, angle)
                 red += weight * r
                 green += weight * g
@@ -108,7 +136,7 @@ def specular_light(
     raw_map: Floats,
     terms: Doubles,
     pattern: Doubles,
-    overlap: float,
+    lift: float,
     cos_yaw: float,
     sin_yaw: float,
     strength: float,
@@ -126,7 +154,7 @@ def specular_light(
         nx, ny, nz = _turned(normal, i, cos_yaw, sin_yaw)
         vx, vy, vz = _turned(view, i, cos_yaw, sin_yaw)
         nov = nx * vx + ny * vy + nz * vz
-        # Light with Fresnel's weight x is `bias`, light with 1 - x is `scale`, as in F = F0 (1 - x) + x
+        # F = F0 (1 - x) + x: light weighted by 1 - x is `scale`, by x is `bias`
         r_scale, g_scale, b_scale, scale = 0.0, 0.0, 0.0, 1e-30
         r_bias, g_bias, b_bias, bias = 0.0, 0.0, 0.0, 1e-30
         if roughness[i] <= MIRROR_ROUGHNESS:
@@ -150,7 +178,11 @@ def specular_light(
                 va, vb, vn = va * length, vb * length, cos_v * length
                 for k in range(samples):
                     ha, hb, hn = visible_normal(
-                        (va, vb, vn), alpha, pattern[k, 0], pattern[k, 1], pattern[k, 2]
+                        (va, vb, vn),
+                        alpha,
+                        pattern[k, 0],
+                        pattern[k, 1],
+                        pattern[k, 2] * (1.0 - alpha) + pattern[k, 4] * alpha,
                     )
                     voh = max(va * ha + vb * hb + vn * hn, 1e-6)
                     la, lb, ln = 2.0 * voh * ha - va, 2.0 * voh * hb - vb, 2.0 * voh * hn - vn
@@ -159,15 +191,20 @@ def specular_light(
                         weight = share * max(shadowing_given_masking(ln, vn, alpha), MIN_WEIGHT)
                     sine2 = ha * ha + hb * hb
                     pdf = masking(vn, alpha) * ggx_density(sine2, alpha) / (4.0 * vn)
-                    angle = min(overlap / (samples * pdf), MAX_SOLID_ANGLE)
-                    r, g, b = mean_radiance(
-                        around_y,
-                        around_x,
+                    size = pattern[k, 3] * (1.0 - alpha) + pattern[k, 5] * alpha
+                    angle = min(size / pdf, MAX_SOLID_ANGLE)
+                    lx, ly, lz = _lifted(
                         la * tx + lb * bx + ln * nx,
                         la * ty + lb * by + ln * ny,
                         la * tz + lb * bz + ln * nz,
+                        nx,
+                        ny,
+                        nz,
+                        ln,
+                        lift,
                         angle,
                     )
+                    r, g, b = mean_radiance(around_y, around_x, lx, ly, lz, angle)
                     x = fresnel_weight(voh)
                     wx, w1 = weight * x, weight * (1.0 - x)
                     r_scale, g_scale, b_scale = r_scale + w1 * r, g_scale + w1 * g, b_scale + w1 * b

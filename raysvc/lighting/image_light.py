@@ -7,7 +7,7 @@ import numpy as np
 
 from raysvc.lighting import albedo
 from raysvc.lighting.image_kernels import diffuse_light, specular_light
-from raysvc.lighting.lobe_pattern import lobe_pattern
+from raysvc.lighting.lobe_pattern import cosine_pattern, visible_normal_pattern
 from raysvc.lighting.sphere_kernels import map_radiances
 from raysvc.lighting.sphere_table import SphereTable
 from raysvc.lighting.sun import SunLight, extract_sun
@@ -15,13 +15,13 @@ from raysvc.scene import Environment
 from raysvc.shading.surface import Surface
 from raysvc.types import Floats
 
-DIFFUSE_OVERLAP = 1.0
-SPECULAR_OVERLAP = 1.0
-"""Solid angle of a lookup over that of its part of the lobe."""
+DIFFUSE_LIFT = 1.0
+SPECULAR_LIFT = 0.93
+"""Height that a lookup's box keeps above the horizon, in halves of the box."""
 
 
 class ImageLight:
-    """Light from an environment, turned and scaled. Immutable; methods may run on many threads at once.
+    """Light from an environment, turned and scaled. Immutable; safe to use from many threads.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class ImageLight:
         )
 
     def radiance(self, directions: Floats) -> Floats:
-        """Radiance (N, 3) float32 of the map, sun included, along unit directions (N, 3) float32."""
+        """Radiance (N, 3) float32 of the map with its sun, along unit directions (N, 3) float32."""
         result = np.empty((len(directions), 3), np.float32)
         map_radiances(self._map, directions, *self._turn, self._strength, result)
         return result
@@ -81,8 +81,8 @@ class ImageLight:
             self._table.around_y,
             self._table.around_x,
             self._albedo.diffuse,
-            lobe_pattern(samples),
-            DIFFUSE_OVERLAP,
+            cosine_pattern(samples),
+            DIFFUSE_LIFT,
             *self._turn,
             self._strength,
             surface.normal,
@@ -97,7 +97,8 @@ class ImageLight:
     def specular(self, surface: Surface, samples: int) -> Floats:
         """Radiance that the specular lobe returns, with nothing in the way.
 
-        It is without the sun, except up to MIRROR_ROUGHNESS: there it is the map itself, sun included.
+        It is without the sun, except up to MIRROR_ROUGHNESS: there it is the map itself, sun
+        included.
 
         Parameters
         ----------
@@ -116,8 +117,8 @@ class ImageLight:
             self._table.around_x,
             self._map,
             self._albedo.specular,
-            lobe_pattern(samples),
-            SPECULAR_OVERLAP,
+            visible_normal_pattern(samples),
+            SPECULAR_LIFT,
             *self._turn,
             self._strength,
             surface.normal,
@@ -131,5 +132,5 @@ class ImageLight:
         return result
 
     def specular_albedo(self, surface: Surface) -> Floats:
-        """Share (N, 3) float32 of constant light that the specular lobe returns, to weigh reflections."""
+        """Share (N, 3) float32 of constant light that the specular lobe returns."""
         return albedo.specular_albedo(surface)

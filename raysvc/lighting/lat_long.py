@@ -10,7 +10,9 @@ import numpy as np
 from raysvc.types import Doubles
 
 
-def texel_directions(rows: Doubles, columns: Doubles, height: int, width: int) -> Doubles:
+def texel_directions(
+    rows: Doubles | float, columns: Doubles | float, height: int, width: int
+) -> Doubles:
     """Unit directions of points of a map.
 
     Parameters
@@ -24,8 +26,8 @@ def texel_directions(rows: Doubles, columns: Doubles, height: int, width: int) -
     -------
     (..., 3) float64
     """
-    polar = rows * (math.pi / height)
-    azimuth = (columns / width - 0.5) * math.tau
+    polar = np.asarray(rows) * (math.pi / height)
+    azimuth = (np.asarray(columns) / width - 0.5) * math.tau
     sine = np.sin(polar)
     x, y, z = np.broadcast_arrays(sine * np.sin(azimuth), np.cos(polar), -sine * np.cos(azimuth))
     return np.stack([x, y, z], axis=-1)
@@ -34,4 +36,5 @@ def texel_directions(rows: Doubles, columns: Doubles, height: int, width: int) -
 def texel_solid_angles(height: int, width: int) -> Doubles:
     """(height,) float64 exact solid angle in steradians of one texel in each row."""
     edges = np.cos(np.arange(height + 1) * (math.pi / height))
-    return (edges[:-1] - edges[1:]) * (math.tau / width)
+    angles: Doubles = (edges[:-1] - edges[1:]) * (math.tau / width)
+    return angles

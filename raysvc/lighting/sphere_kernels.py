@@ -16,7 +16,7 @@ MAX_SINE = 0.9
 
 @inlined
 def y_share(y: float) -> float:
-    """Share of the cylinder around Y in a lookup at height y of the unit sphere, smooth from 1 to 0."""
+    """Share of the cylinder around Y in lookups at height y of the unit sphere: smooth, 1 to 0."""
     t = min(max((BLEND_END - abs(y)) / (BLEND_END - BLEND_BEGIN), 0.0), 1.0)
     return t * t * (3.0 - 2.0 * t)
 
@@ -27,10 +27,11 @@ def _cylinder_mean(
 ) -> tuple[float, float, float]:
     """Mean radiance over a box of a cylinder, square on the sphere, never smaller than a texel.
 
-    Takes the direction as its parts along the axis, to the right of the centre column and towards it.
+    Takes the direction as its parts along the axis, to the right of the centre column and towards
+    it.
     """
     rows, columns = table.shape[0] - 1, table.shape[1] - 1
-    # A square of half height h is 4 sin^2 h steradians: exact on this cylinder while it clears the axis
+    # A square of half height h has 4 sin^2 h steradians, exactly while it clears the axis
     sin_h = min(0.5 * math.sqrt(solid_angle), MAX_SINE)
     cos_h = math.sqrt(1.0 - sin_h * sin_h)
     radius = math.sqrt(max(1.0 - along * along, 0.0))
@@ -68,24 +69,24 @@ def mean_radiance(
 
 @inlined
 def _row_rgb(radiance: Floats, row: int, column: float) -> tuple[float, float, float]:
-    """RGB at a fractional column of a row; the row beyond a pole is the same row half a turn away."""
+    """RGB at a fractional column of a row; beyond a pole it is the row half a turn away."""
     height, width = radiance.shape[0], radiance.shape[1]
     if row < 0 or row >= height:
         row = 0 if row < 0 else height - 1
         column += 0.5 * width
     j = math.floor(column)
     u = column - j
-    a, b = radiance[row, int(j) % width], radiance[row, (int(j) + 1) % width]
+    left, right = int(j) % width, (int(j) + 1) % width
     return (
-        a[0] * (1.0 - u) + b[0] * u,
-        a[1] * (1.0 - u) + b[1] * u,
-        a[2] * (1.0 - u) + b[2] * u,
+        radiance[row, left, 0] * (1.0 - u) + radiance[row, right, 0] * u,
+        radiance[row, left, 1] * (1.0 - u) + radiance[row, right, 1] * u,
+        radiance[row, left, 2] * (1.0 - u) + radiance[row, right, 2] * u,
     )
 
 
 @inlined
 def map_radiance(radiance: Floats, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """RGB of a lat-long map (H, W, 3) in the unit direction (x, y, z): bilinear between texel centres."""
+    """RGB of a lat-long map (H, W, 3) in the unit direction (x, y, z), bilinear."""
     height, width = radiance.shape[0], radiance.shape[1]
     # atan2 keeps the digits that acos loses at the poles
     row = math.atan2(math.sqrt(x * x + z * z), y) / math.pi * height - 0.5
@@ -120,8 +121,8 @@ def map_radiances(
 def spread_to_x_cylinder(radiance: Floats, detail: int, shared: Doubles) -> None:
     """Add the light of a lat-long map (H, W, 3) to `shared` (rows, columns, RGB + solid angle).
 
-    Every texel is cut into parts, `detail` down and up to as many across, and each part's light is shared
-    bilinearly by the four texels of the cylinder around X next to it.
+    Every texel is cut into parts, `detail` down and up to as many across, and each part's light is
+    shared bilinearly by the four texels of the cylinder around X next to it.
     """
     height, width = radiance.shape[0], radiance.shape[1]
     rows, columns = shared.shape[0], shared.shape[1]
@@ -132,7 +133,7 @@ def spread_to_x_cylinder(radiance: Floats, detail: int, shared: Doubles) -> None
         top, bottom = part_row / (height * detail), (part_row + 1) / (height * detail)
         band = math.cos(top * math.pi) - math.cos(bottom * math.pi)
         # As many parts across as make them about square
-        parts = max(int(math.ceil(sine * 2.0 * detail * height / width)), 1)
+        parts = max(math.ceil(sine * 2.0 * detail * height / width), 1)
         part_angle = band * 2.0 * math.pi / (width * parts)
         for part_column in range(width * parts):
             j = part_column // parts

@@ -1,9 +1,10 @@
-"""The summed-area tables of an environment: two equal-area cylinders, one around +Y and one around +X.
+"""An environment's summed-area tables: two equal-area cylinders, around +Y and around +X.
 
-On Lambert's cylinder (azimuth across, the axis' coordinate down) every texel covers the same solid angle, so
-the table needs no weights and a box needs no sine or arc cosine. Near its axis a cylinder's boxes are slivers;
-there the other cylinder takes over, through a band in which the two are blended. No lookup comes
-nearer than 40 degrees to the axis of the cylinder that it uses, and neither seam nor pole is special.
+On Lambert's cylinder (azimuth across, the axis' coordinate down) every texel covers the same solid
+angle, so the table needs no weights and a box needs no sine or arc cosine. Near its axis a
+cylinder's boxes are slivers; there the other cylinder takes over, through a band in which the two
+are blended. No lookup comes nearer than 40 degrees to the axis of the cylinder that it uses, and
+neither seam nor pole is special.
 """
 
 import math
@@ -22,10 +23,11 @@ MAX_WIDTH = 2048
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SphereTable:
-    """Read-only tables for `sphere_kernels.mean_radiance`, exclusive as `summed_area_table` makes them.
+    """Read-only tables for `sphere_kernels.mean_radiance`, as `summed_area_table` makes them.
 
-    Both are (H+1, W+1, 3) float64 over an image whose texels all have the same solid angle. Row 0 is at
-    +axis; the centre column is what is seen along -Z; to its right is +X around Y, and +Y around X.
+    Both are (H+1, W+1, 3) float64 over an image whose texels all have the same solid angle. Row 0
+    is at +axis; the centre column is what is seen along -Z; to its right is +X around Y, and +Y
+    around X.
     """
 
     around_y: Doubles
@@ -33,10 +35,10 @@ class SphereTable:
 
     @staticmethod
     def of(radiance: Floats) -> "SphereTable":
-        """Build the tables of a lat-long map (H, W, 3) float32 as `raysvc.scene.Environment` holds it.
+        """Build the tables of a lat-long map (H, W, 3) float32 as `Environment` holds it.
 
-        The one around Y holds exactly the light of the map; the other one is resampled, the light of every
-        texel shared out over the texels that it meets. Constant maps give constant tables.
+        The one around Y holds exactly the light of the map; the other one is resampled, the light
+        of every texel shared out over the texels that it meets. Constant maps give constant tables.
         """
         height, width, _ = radiance.shape
         columns = min(max(width, 64), MAX_WIDTH)
@@ -53,7 +55,7 @@ class SphereTable:
 
 
 def _resampled_to_y_cylinder(radiance: Floats, rows: int, columns: int) -> Doubles:
-    """Table of the cylinder around Y, read out of the lat-long map's own table: (rows+1, columns+1, 3)."""
+    """Table (rows+1, columns+1, 3) of the cylinder around Y, read out of the map's own table."""
     height, width, _ = radiance.shape
     per_row = texel_solid_angles(height, width)
     table = summed_area_table(radiance * per_row[:, None, None])

@@ -1,8 +1,8 @@
 """A sun, taken out of an environment so that it can cast shadows and need not be filtered.
 
-A few texels with most of the light spoil every filtered lookup near them, and no number of lobe samples
-finds them; as a light with a direction they are exact (reference: Debevec 2005, median cut, in the
-degenerate case of one light).
+A few texels with most of the light spoil every filtered lookup near them, and no number of lobe
+samples finds them; as a light with a direction they are exact (reference: Debevec 2005, median cut,
+in the degenerate case of one light).
 """
 
 import math
@@ -52,8 +52,9 @@ def extract_sun(radiance: Floats) -> tuple[SunLight | None, Floats]:
     sun
         in the map's own frame, or None if no small region dominates
     rest
-        (H, W, 3) float32: the map with the sun's disc filled by the mean of its surroundings. Sun and rest
-        together light a surface that faces the sun as the map did. The same array if there is no sun.
+        (H, W, 3) float32: the map with the sun's disc filled by the mean of its surroundings. Sun
+        and rest together light a surface that faces the sun as the map did. The same array if there
+        is no sun.
     """
     height, width, _ = radiance.shape
     per_row = texel_solid_angles(height, width)
@@ -65,7 +66,7 @@ def extract_sun(radiance: Floats) -> tuple[SunLight | None, Floats]:
 
     # Bright texels near the peak, their centre and extent
     row, column = np.unravel_index(int(luminance.argmax()), luminance.shape)
-    towards = texel_directions(row + 0.5, column + 0.5, height, width)
+    towards = texel_directions(int(row) + 0.5, int(column) + 0.5, height, width)
     rows, columns, directions = _texels_within(towards, SEARCH_RAD, height, width)
     bright = luminance[rows, columns] > PART_OF_PEAK * peak
     flux = (luminance[rows, columns] * per_row[rows])[bright]
@@ -102,7 +103,7 @@ def extract_sun(radiance: Floats) -> tuple[SunLight | None, Floats]:
 def _texels_within(
     towards: Doubles, radius: float, height: int, width: int
 ) -> tuple[np.ndarray, np.ndarray, Doubles]:
-    """Rows, columns and directions (K, 3) of texels whose centre is within an angle of a direction."""
+    """Rows, columns and directions (K, 3) of texels within `radius` of a direction."""
     polar = math.acos(min(max(float(towards[1]), -1.0), 1.0))
     first = max(int((polar - radius) / math.pi * height), 0)
     last = min(int((polar + radius) / math.pi * height) + 1, height)

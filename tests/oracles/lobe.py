@@ -19,7 +19,7 @@ def map_directions(height, width):
 
 
 def outgoing(radiance, normal, view, base, metallic, roughness, dielectric_f0=0.04):
-    """Diffuse and specular radiance (3,), (3,) towards `view` under a lat-long map, texel by texel."""
+    """Diffuse and specular radiance (3,), (3,) towards `view` under a lat-long map."""
     light, angles = map_directions(*radiance.shape[:2])
     diffuse, specular = gltf_lobes(normal, view, light, base, metallic, roughness, dielectric_f0)
     arriving = radiance.reshape(-1, 3) * (angles * np.maximum(light @ normal, 0))[:, None]
@@ -27,7 +27,7 @@ def outgoing(radiance, normal, view, base, metallic, roughness, dielectric_f0=0.
 
 
 def albedo(nov, base, metallic, roughness, dielectric_f0=0.04, steps=1000):
-    """Diffuse and specular directional albedo (3,), (3,) at N.V, over a grid warped into the lobe."""
+    """Diffuse and specular directional albedo (3,), (3,), over a grid warped into the lobe."""
     normal = np.array([0.0, 0.0, 1.0])
     view = np.array([np.sqrt(1 - nov**2), 0.0, nov])
     alpha = max(roughness**2, 1e-3)
