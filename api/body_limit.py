@@ -37,6 +37,4 @@ class BodyLimit:
 
     def _check(self, size: int) -> None:
         if size > self._max_bytes:
-            raise LimitExceeded(
-                f"the body is larger than {self._max_bytes:,} bytes", field="Content-Length"
-            )
+            raise LimitExceeded(f"the body is larger than {self._max_bytes:,} bytes", field="body")

@@ -114,6 +114,7 @@ def test_too_much_is_refused_whether_announced_or_not(
     announced = client.post("/v1/scenes", files={"file": ("large.glb", large)})
     assert announced.status_code == 413
     assert announced.headers["content-type"] == "application/problem+json"
+    assert announced.json()["field"] == "body"
 
     body = b'--b\r\nContent-Disposition: form-data; name="file"; filename="a.glb"\r\n\r\n' + large
     streamed = client.post(
