@@ -1,8 +1,8 @@
 """The only place that says how Numba compiles, and where compiled kernels are kept.
 
-A kernel is a serial loop that releases the GIL; threads are ours (`raysvc.parallel`). Numba's own cache
-notices a change of the kernel's file but not of a file it calls into, so the cache folder is named after a
-hash of all of raysvc's sources: an edit or an upgrade never runs stale code.
+A kernel is a serial loop that releases the GIL; threads are ours (`raysvc.parallel`). Numba's own
+cache notices a change of the kernel's file but not of a file it calls into, so the cache folder is
+named after a hash of all of raysvc's sources: an edit or an upgrade never runs stale code.
 """
 
 import hashlib
@@ -29,12 +29,17 @@ def source_hash() -> str:
 
 
 def kernel_cache_dir() -> Path:
-    """Folder for compiled kernels: RAYSVC_CACHE, else the user's cache folder, else a private temporary one."""
+    """Folder for compiled kernels: RAYSVC_CACHE, else the user's cache, else a temporary one."""
     chosen = os.environ.get("RAYSVC_CACHE")
-    homes = [Path(chosen)] if chosen else [
-        Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "raysvc",
-        Path(tempfile.gettempdir()) / f"raysvc-{os.getuid() if hasattr(os, 'getuid') else 'user'}",
-    ]
+    homes = (
+        [Path(chosen)]
+        if chosen
+        else [
+            Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "raysvc",
+            Path(tempfile.gettempdir())
+            / f"raysvc-{os.getuid() if hasattr(os, 'getuid') else 'user'}",
+        ]
+    )
     for home in homes:
         folder = home / "kernels" / source_hash()
         try:
@@ -47,11 +52,12 @@ def kernel_cache_dir() -> Path:
 
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
-    numba.config.CACHE_DIR = str(kernel_cache_dir())
+    # Numba makes its settings when it is imported, so they have no types.
+    numba.config.CACHE_DIR = str(kernel_cache_dir())  # type: ignore[attr-defined]
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile for one thread, without the GIL, cached on disk; division by zero gives inf or NaN."""
+    """Compile for one thread, without the GIL, cached; division by zero gives inf or NaN."""
     compiled: Callable[P, R] = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
     return compiled
 
@@ -59,8 +65,8 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
 def inlined(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a scalar function that kernels call, always inlined.
 
-    Left to itself LLVM keeps large ones as calls, and a call copies every array's header that its arguments
-    hold: a material's evaluation took 1.2 us so, and takes 0.2 us inlined.
+    Left to itself LLVM keeps large ones as calls, and a call copies every array's header that its
+    arguments hold: a material's evaluation took 1.2 us so, and takes 0.2 us inlined.
     """
     compiled: Callable[P, R] = numba.njit(
         cache=True, nogil=True, error_model="numpy", forceinline=True

@@ -1,7 +1,7 @@
 """Threads, progress and stopping.
 
-Work is cut into chunks whose size never depends on the number of threads, and a chunk writes only its own
-slots: that is why a picture is the same with any number of threads.
+Work is cut into chunks whose size never depends on the number of threads, and a chunk writes only
+its own slots: that is why a picture is the same with any number of threads.
 """
 
 import copy
@@ -25,7 +25,8 @@ class Control:
     deadline_s
         seconds from now after which the work ends with DeadlineExceeded; None never
     on_progress
-        called with (stage, fraction in 0..1) from whichever thread has finished a chunk; must be quick
+        called with (stage, fraction in 0..1) from whichever thread has finished a chunk; must be
+        quick
     """
 
     def __init__(
@@ -57,7 +58,9 @@ class Control:
         if self._cancelled.is_set():
             raise Cancelled("the work was cancelled")
         if self._deadline is not None and time.monotonic() > self._deadline:
-            raise DeadlineExceeded("the work did not finish within its deadline", field="deadline_s")
+            raise DeadlineExceeded(
+                "the work did not finish within its deadline", field="deadline_s"
+            )
 
     def progress(self, stage: str, fraction: float) -> None:
         """Report how much of a stage is done."""
@@ -81,7 +84,8 @@ def for_chunks(
 ) -> None:
     """Call `work(begin, end)` for consecutive ranges of at most `chunk` items that cover 0..count.
 
-    Chunks run on `control.threads` threads in any order; the first exception stops the rest and is raised.
+    Chunks run on `control.threads` threads in any order; the first exception stops the rest and is
+    raised.
     """
     starts = range(0, count, chunk)
     done = 0

@@ -1,4 +1,6 @@
-"""Array types, dtype said once. Shapes are in the docstrings: R rays, N points, F triangles, V vertices, H x W pixels."""
+"""Array types, dtype said once.
+
+Shapes are in the docstrings: R rays, N points, F triangles, V vertices, H x W pixels."""
 
 from typing import TypeAlias
 

@@ -22,9 +22,8 @@ class Triangles:
 class Rays:
     """R rays from `origins` along `directions`, up to `t_max` in units of |direction|.
 
-    origins (R, 3), directions (R, 3), t_max (R,), all float32 and C-contiguous. A ray starts at t = 0: the
-    caller moves origins off the surface that they lie on.
-    """
+    origins (R, 3), directions (R, 3), t_max (R,), all float32 and C-contiguous. A ray starts at
+    t = 0: the caller moves origins off the surface that they lie on."""
 
     origins: Floats
     directions: Floats
@@ -32,7 +31,11 @@ class Rays:
 
     def __post_init__(self) -> None:
         count = len(self.origins)
-        for name, shape in (("origins", (count, 3)), ("directions", (count, 3)), ("t_max", (count,))):
+        for name, shape in (
+            ("origins", (count, 3)),
+            ("directions", (count, 3)),
+            ("t_max", (count,)),
+        ):
             array = getattr(self, name)
             if array.shape != shape or array.dtype != np.float32 or not array.flags.c_contiguous:
                 raise InvalidInput(f"must be contiguous float32 of shape {shape}", field=name)
@@ -45,8 +48,8 @@ class Rays:
 class Hits:
     """Nearest hits of R rays; a miss is t = inf, triangle = -1, barycentric = 0.
 
-    t (R,) float32 in units of |direction|; triangle (R,) int32; barycentric (R, 2) float32, the weights of
-    vertices 1 and 2.
+    t (R,) float32 in units of |direction|; triangle (R,) int32; barycentric (R, 2) float32, the
+    weights of vertices 1 and 2.
     """
 
     t: Floats
@@ -65,7 +68,7 @@ class BuildReport:
 
 
 class Accelerator(Protocol):
-    """Answers two questions about one immutable set of triangles. Both may be asked from many threads."""
+    """Answers two questions about a fixed set of triangles, from as many threads as ask."""
 
     report: BuildReport
 
@@ -84,7 +87,7 @@ class Builder(Protocol):
 
 
 def hits_on(triangles: Triangles, triangle: Ints, rays: Rays) -> Hits:
-    """Hits of rays whose triangle (R,) is known: t and barycentrics come from the triangle alone."""
+    """Hits of rays whose triangle (R,) is known; t and barycentrics come from it alone."""
     t = np.empty(len(rays), np.float32)
     barycentric = np.empty((len(rays), 2), np.float32)
     hits_on_triangles(

@@ -27,7 +27,7 @@ class Brute:
         )
 
     def nearest_triangle(self, rays: Rays) -> Ints:
-        """(R,) int32: the first triangle along each ray, the lowest index where several tie, or -1."""
+        """(R,) int32: the first triangle along each ray, the lowest number of a tie, or -1."""
         found = np.empty(len(rays), np.int32)
         all_pairs_nearest(
             rays.origins,

@@ -1,4 +1,6 @@
-"""Intel Embree, through embreex (Wald et al. 2014, "Embree: A Kernel Framework for Efficient CPU Ray Tracing")."""
+"""Intel Embree, through embreex.
+
+Wald et al. 2014, "Embree: A Kernel Framework for Efficient CPU Ray Tracing"."""
 
 import time
 
@@ -15,7 +17,8 @@ class EmbreeParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     robust: bool = Field(
-        True, description="Watertight traversal: rays never slip between triangles that share an edge."
+        True,
+        description="Watertight traversal: rays never slip between triangles that share an edge.",
     )
 
 

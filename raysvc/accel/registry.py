@@ -1,4 +1,4 @@
-"""The closed list of structures: name, what makes it, its parameters, and whether this machine can run it."""
+"""The closed list of structures: names, builders, parameters, and whether they run here."""
 
 import importlib.util
 from collections.abc import Mapping
@@ -27,7 +27,9 @@ class Entry:
     def why_not(self) -> str | None:
         """Why this machine cannot run it, or None if it can."""
         if self.requires is not None and importlib.util.find_spec(self.requires) is None:
-            return f"the package {self.requires} is not installed (it has no wheel for every platform)"
+            return (
+                f"the package {self.requires} is not installed (it has no wheel for every platform)"
+            )
         return None
 
 
@@ -43,7 +45,7 @@ FASTEST_FIRST: Final = ("embree", "brute")
 
 
 def choose(name: str) -> str:
-    """Return the structure that `name` stands for: itself, or for `auto` the fastest that is available.
+    """Return the structure that `name` stands for: itself, or for `auto` the fastest to be had.
 
     Raises InvalidSetting for an unknown name and Unavailable for one that this machine cannot run.
     """

@@ -12,7 +12,7 @@ def unit(vector: Doubles) -> Doubles:
 
 
 def look_at(eye: Doubles, target: Doubles, up: Doubles) -> Doubles:
-    """Return world_from_camera (4, 4) of a camera at `eye` that sees `target` in the middle, `up` upwards.
+    """Return world_from_camera (4, 4) of a camera at `eye` with `target` in the middle of its view.
 
     When `up` is along the view, another axis takes its place. `eye` and `target` must differ.
     """

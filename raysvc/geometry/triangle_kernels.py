@@ -1,4 +1,4 @@
-"""Where a ray meets the plane of a triangle: the one function that turns "which triangle" into t, u and v.
+"""Where a ray meets a triangle: the one function that turns "which" into t, u and v.
 
 Möller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection", in double precision.
 """
@@ -56,10 +56,10 @@ def hits_on_triangles(
     t: Floats,
     barycentric: Floats,
 ) -> None:
-    """Fill t (R,) and barycentric (R, 2) of rays whose triangle is known; -1 gives t = inf, weights 0.
+    """Fill t (R,) and barycentric (R, 2) of rays whose triangle is known; -1 gives inf and 0.
 
-    Weights are clamped into the triangle: a structure or rasteriser may have rounded differently, and
-    attributes must not be extrapolated.
+    Weights are clamped into the triangle: a structure or rasteriser may have rounded differently,
+    and attributes must not be extrapolated.
     """
     for r in range(len(triangle)):
         f = triangle[r]
@@ -120,5 +120,3 @@ def all_pairs_nearest(
             if closer and t >= 0.0 and u >= 0.0 and v >= 0.0 and u + v <= 1.0:
                 best = t
                 triangle[r] = f
-
-

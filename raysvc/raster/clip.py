@@ -1,8 +1,8 @@
 """Cut triangles at the near plane and at a guard band around the picture.
 
-Sutherland and Hodgman 1974, "Reentrant Polygon Clipping", one plane at a time, on all triangles at once. A
-new vertex is always computed from the inner towards the outer end of its edge, so two triangles that share
-the edge get the same bits and no crack opens.
+Sutherland and Hodgman 1974, "Reentrant Polygon Clipping", one plane at a time, on all triangles at
+once. A new vertex is always computed from the inner towards the outer end of its edge, so two
+triangles that share the edge get the same bits and no crack opens.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from raysvc.types import Bools, Doubles, Longs
 
 GUARD_PX = 16384.0
-"""Half width of the square of pixels, about the picture's corner, in which fixed-point coordinates are exact."""
+"""Half side, in pixels, of the square about the picture's corner where fixed point is exact."""
 
 
 def clip(corners: Doubles, near: float, width: int, height: int) -> tuple[Doubles, Longs]:
@@ -51,10 +51,11 @@ def clip(corners: Doubles, near: float, width: int, height: int) -> tuple[Double
 
 
 def _outside(corners: Doubles, near: float, width: int, height: int) -> Bools:
-    """(F,) bool: all three corners beyond the same side of the view, so nothing of it can be seen."""
+    """(F,) bool: all three corners are beyond one side of the view, so nothing can be seen."""
     x, y, w, depth = np.moveaxis(corners, 2, 0)
     tests = (depth < near, x < 0, x > width * w, y < 0, y > height * w)
-    return np.logical_or.reduce([test.all(axis=1) for test in tests])
+    outside: Bools = np.logical_or.reduce([test.all(axis=1) for test in tests])
+    return outside
 
 
 def _clip_to_plane(

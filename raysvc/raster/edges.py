@@ -7,7 +7,7 @@ from raysvc.types import Bools, Floats, Ints
 SAME_NORMAL = 0.9
 """Neighbours whose normals' cosine is less are on different faces."""
 DEPTH_BEND = 0.01
-"""Second difference of depth, as a part of the depth, above which it is a step: slanted planes have none."""
+"""Second difference of depth, as a part of the depth, above which it is a step."""
 
 
 def edge_mask(part: Ints, depth: Floats, normal: Floats) -> Bools:
@@ -35,7 +35,7 @@ def edge_mask(part: Ints, depth: Floats, normal: Floats) -> Bools:
 
 
 def _depth_steps(depth: Floats, axis: int) -> Bools:
-    """Pixels whose depth is not near the mean of its two neighbours along an axis, and those neighbours."""
+    """Pixels whose depth is not near the mean of their two neighbours' along an axis."""
     finite = np.where(np.isfinite(depth), depth, 0.0).astype(np.float64)
     z = np.moveaxis(finite, axis, 0)
     bend = np.abs(z[:-2] + z[2:] - 2.0 * z[1:-1]) > DEPTH_BEND * z[1:-1]

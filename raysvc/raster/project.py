@@ -9,9 +9,10 @@ from raysvc.types import Doubles, Floats
 def project(positions: Floats, camera: Camera) -> Doubles:
     """World positions (V, 3) to homogeneous pixels (V, 4) float64: x w, y w, w, depth.
 
-    x / w grows to the right and y / w downwards from the picture's top left corner, such that pixel (row,
-    col) is sampled at (col + 0.5, row + 0.5) whatever the camera's offset in the pixel. Depth is along the
-    view axis in metres; w is that depth for a perspective camera and 1 for an orthographic one.
+    x / w grows to the right and y / w downwards from the picture's top left corner, such that pixel
+    (row, col) is sampled at (col + 0.5, row + 0.5) whatever the camera's offset in the pixel. Depth
+    is along the view axis in metres; w is that depth for a perspective camera and 1 for an
+    orthographic one.
     """
     local = (positions - camera.eye) @ camera.world_from_camera[:3, :3]
     depth = -local[:, 2]

@@ -13,9 +13,9 @@ from raysvc.types import Bools, Ints
 
 NOTHING = np.uint64(0xFFFFFFFFFFFFFFFF)
 BAND_ROWS = 64
-"""Rows that are worked on at once: bounds the memory for fragments, and gives threads something to share."""
+"""Rows worked on at once: bounds the memory for fragments, and lets threads share the work."""
 NEAR_OF_DIAGONAL = 1e-6
-"""The near plane, as a part of the scene's diagonal: rays have none, so it is as near as precision allows."""
+"""The near plane, as a part of the scene's diagonal: as near as precision allows."""
 
 Keys = np.ndarray[tuple[int], np.dtype[np.uint64]]
 
@@ -23,8 +23,8 @@ Keys = np.ndarray[tuple[int], np.dtype[np.uint64]]
 class Raster:
     """One camera's view of a scene's triangles, as a buffer of depth-and-triangle keys.
 
-    Solid triangles are resolved on construction. Those that may have holes are handed out as fragments, for
-    the caller to say where they are.
+    Solid triangles are resolved on construction. Those that may have holes are handed out as
+    fragments, for the caller to say where they are.
     """
 
     def __init__(

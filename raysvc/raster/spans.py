@@ -1,8 +1,8 @@
 """Triangles to spans of pixels on scanlines, exactly.
 
-Corners are snapped to 2^-15 pixel and edge functions (Pineda 1988, "A Parallel Algorithm for Polygon
-Rasterization") are solved for each row in 64-bit integers, with the top-left rule: pixels on a shared edge
-belong to exactly one of its triangles.
+Corners are snapped to 2^-15 pixel and edge functions (Pineda 1988, "A Parallel Algorithm for
+Polygon Rasterization") are solved for each row in 64-bit integers, with the top-left rule: pixels
+on a shared edge belong to exactly one of its triangles.
 """
 
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class SetUp:
     y: Longs
     """(G, 3) fixed-point pixels."""
     nearness: Doubles
-    """(G, 3) a number that is linear in the picture and greater where nearer: 1 / w, or minus depth."""
+    """(G, 3) linear in the picture and greater where nearer: 1 / w, or minus depth."""
     triangle: Ints
     """(G,) which triangle of the scene it is."""
     first_row: Longs
@@ -38,7 +38,7 @@ class SetUp:
 def set_up(
     corners: Doubles, triangle: Ints, double_sided: Bools, height: int, perspective: bool
 ) -> SetUp:
-    """Snap clipped triangles (G, 3, 4) to fixed point and drop those that are edge-on or seen from behind."""
+    """Snap clipped triangles (G, 3, 4) to fixed point; drop what is edge-on or seen from behind."""
     w = corners[:, :, 2]
     x = np.rint(corners[:, :, 0] / w * ONE).astype(np.int64)
     y = np.rint(corners[:, :, 1] / w * ONE).astype(np.int64)
@@ -113,19 +113,17 @@ def _column_range(work: SetUp, span: Longs, row: Longs, width: int) -> tuple[Lon
         top_left = (dy < 0) | ((dy == 0) & (dx > 0))
         room = dx * (centre_y - y0) - dy * (HALF - x0) - np.where(top_left, 0, 1)
         slope = dy * ONE
-        # col * slope <= room
+        # Solve for the last column that slope times column lets stay within the room.
         divisor = np.where(slope == 0, 1, slope)
         quotient = room // divisor
         end = np.where(dy > 0, np.minimum(end, quotient), end)
-        # A negative divisor turns the inequality round: col >= ceil(room / slope) = -(room // -slope).
+        # A negative divisor turns the inequality round, and rounding up is negated rounding down.
         begin = np.where(dy < 0, np.maximum(begin, -(room // np.where(dy < 0, -slope, 1))), begin)
         end = np.where((dy == 0) & (room < 0), -1, end)
     return begin, end
 
 
-def _nearness_along(
-    work: SetUp, span: Longs, row: Longs, column: Longs
-) -> tuple[Doubles, Doubles]:
+def _nearness_along(work: SetUp, span: Longs, row: Longs, column: Longs) -> tuple[Doubles, Doubles]:
     """Nearness at the centre of (row, column), and its change per column."""
     x, y, q = work.x[span] / ONE, work.y[span] / ONE, work.nearness[span]
     x1, y1, q1 = x[:, 1] - x[:, 0], y[:, 1] - y[:, 0], q[:, 1] - q[:, 0]
@@ -137,12 +135,10 @@ def _nearness_along(
     return there, per_column
 
 
-def _keys(
-    nearness: Doubles, triangle: Ints
-) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
-    """Order-preserving 64-bit keys: float bits of nearness upside down, then the triangle's number."""
+def _keys(nearness: Doubles, triangle: Ints) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
+    """Keys that order like fragments: float bits of nearness upside down, then the triangle."""
     bits = nearness.astype(np.float32).view(np.int32)
-    # Negative floats order the other way round; this makes signed integers that order like the floats.
+    # Negative floats order the other way round: make signed integers that order like floats.
     ordered = np.where(bits < 0, bits ^ np.int32(0x7FFFFFFF), bits).astype(np.int64)
     return ((np.int64(0x7FFFFFFF) - ordered).astype(np.uint64) << np.uint64(32)) | triangle.astype(
         np.uint64

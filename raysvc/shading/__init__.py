@@ -1,1 +1,1 @@
-"""What a surface is at a point: attributes from triangle and barycentrics, then textures and material."""
+"""What a surface is at a point: attributes by barycentrics, then textures and material."""

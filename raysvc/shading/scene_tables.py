@@ -1,4 +1,4 @@
-"""A scene as shading reads it: geometry, materials and textures as tables, and surfaces made from them."""
+"""A scene as shading reads it: tables of geometry, materials and textures; surfaces from them."""
 
 from dataclasses import dataclass
 from typing import Final

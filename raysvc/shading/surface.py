@@ -10,7 +10,7 @@ from raysvc.types import Bools, Floats, Longs
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """Points with their materials evaluated; world space, linear Rec.709, every array float32 but `unlit`.
+    """Points with materials evaluated; world space, linear Rec.709, float32 except `unlit`.
 
     Attributes
     ----------
@@ -31,7 +31,8 @@ class Surface:
     emissive
         (N, 3) radiance
     occlusion
-        (N,) 0..1 from the material's occlusion texture, strength applied; for light from the environment only
+        (N,) 0..1 from the material's occlusion texture, strength applied; for light from the
+        environment only
     unlit
         (N,) bool: shows `base_colour` and nothing else
     """

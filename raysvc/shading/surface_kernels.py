@@ -1,4 +1,4 @@
-"""From "this point of that triangle" to a surface with its material evaluated, one point at a time."""
+"""From "this point of that triangle" to a surface with its material, one point at a time."""
 
 import math
 from typing import NamedTuple
@@ -24,7 +24,7 @@ from raysvc.shading.material_table import (
     ROUGHNESS,
     MaterialTable,
 )
-from raysvc.shading.texture_kernels import TextureTable, sample
+from raysvc.shading.texture_kernels import BILINEAR, TextureTable, sample
 from raysvc.types import Bools, Floats, Ints
 
 Vec2 = tuple[float, float]
@@ -96,22 +96,24 @@ def mixed3(array: Floats, i0: int, i1: int, i2: int, u: float, v: float) -> Vec3
 
 
 @inlined
-def mixed_uv(
-    uv: Floats, i0: int, i1: int, i2: int, uv_set: int, weights: Vec3
-) -> Vec2:
+def mixed_uv(uv: Floats, i0: int, i1: int, i2: int, uv_set: int, weights: Vec3) -> Vec2:
     """Texture coordinates of one set, mixed (or, with weights that sum to 0, differenced)."""
     return (
-        weights[0] * uv[i0, uv_set, 0] + weights[1] * uv[i1, uv_set, 0] + weights[2] * uv[i2, uv_set, 0],
-        weights[0] * uv[i0, uv_set, 1] + weights[1] * uv[i1, uv_set, 1] + weights[2] * uv[i2, uv_set, 1],
+        weights[0] * uv[i0, uv_set, 0]
+        + weights[1] * uv[i1, uv_set, 0]
+        + weights[2] * uv[i2, uv_set, 0],
+        weights[0] * uv[i0, uv_set, 1]
+        + weights[1] * uv[i1, uv_set, 1]
+        + weights[2] * uv[i2, uv_set, 1],
     )
 
 
 @inlined
 def transformed(matrices: Floats, material: int, slot: int, at: Vec2, offset: float) -> Vec2:
-    """Affine transform of a slot of (M, SLOTS, 6), of a point (offset 1) or a difference (offset 0).
+    """Affine transform of one slot, of a point (offset 1) or a difference (offset 0).
 
-    Elements are read one by one: a view of the row would be counted as a reference, which costs more than
-    the arithmetic. So it is in all of this file.
+    Elements are read one by one: a view of the row would be counted as a reference, which costs
+    more than the arithmetic. So it is in all of this file.
     """
     m = matrices
     return (
@@ -134,8 +136,8 @@ def read_slot(
 ) -> Vec4:
     """RGBA that a material's slot reads at a point, (1, 1, 1, 1) if it has no texture.
 
-    `metres` is the footprint on the surface divided by the square root of the triangle's area in m^2 times
-    two, so that the texture's area on the triangle turns it into texels.
+    `metres` is the footprint on the surface divided by the square root of the triangle's area in
+    m^2 times two, so that the texture's area on the triangle turns it into texels.
     """
     texture = materials.texture[material, slot, 0]
     if texture < 0:
@@ -171,7 +173,7 @@ def tangent_frame(
     v: float,
     normal: Vec3,
 ) -> tuple[Vec3, Vec3]:
-    """Tangent and bitangent for a normal map: the vertices', else the triangle's own from its uv."""
+    """Tangent and bitangent for a normal map: the vertices', else those of the triangle's uv."""
     material, slot = geometry.material_of_triangle[triangle], NORMAL_SLOT
     matrix, uv_set = materials.uv_transform, materials.texture[material, slot, 1]
     i0, i1, i2 = (
@@ -185,7 +187,10 @@ def tangent_frame(
         tangent = unit_or(plus(tangent, normal, -dot(tangent, normal)), (0.0, 0.0, 0.0))
         return tangent, scaled(cross(normal, tangent), handed)
     a = row3(geometry.positions, i0)
-    p1, p2 = plus(row3(geometry.positions, i1), a, -1.0), plus(row3(geometry.positions, i2), a, -1.0)
+    p1, p2 = (
+        plus(row3(geometry.positions, i1), a, -1.0),
+        plus(row3(geometry.positions, i2), a, -1.0),
+    )
     e1 = transformed(
         matrix, material, slot, mixed_uv(geometry.uv, i0, i1, i2, uv_set, (-1.0, 1.0, 0.0)), 0.0
     )
@@ -214,14 +219,14 @@ def alpha_of(
     u: float,
     v: float,
 ) -> float:
-    """Coverage of a point as rays see it: 0 or 1 for masks, the full-size texture's alpha for blends."""
+    """Coverage of a point as rays see it: 0 or 1 for masks, full-size texture alpha for blends."""
     material = geometry.material_of_triangle[triangle]
     mode = materials.flags[material, 0]
     if mode == OPAQUE:
         return 1.0
     weights = (1.0 - u - v, u, v)
     texel = read_slot(
-        geometry, materials, textures, material, BASE_SLOT, triangle, weights, 0.0, 1
+        geometry, materials, textures, material, BASE_SLOT, triangle, weights, 0.0, BILINEAR
     )
     i0, i1, i2 = (
         geometry.triangles[triangle, 0],
@@ -230,7 +235,7 @@ def alpha_of(
     )
     colour = geometry.colours
     vertex = weights[0] * colour[i0, 3] + u * colour[i1, 3] + v * colour[i2, 3]
-    alpha = materials.factors[material, ALPHA] * texel[3] * vertex
+    alpha = float(materials.factors[material, ALPHA] * texel[3] * vertex)
     if mode == MASK:
         return 1.0 if alpha >= materials.factors[material, CUTOFF] else 0.0
     return min(max(alpha, 0.0), 1.0)
@@ -245,7 +250,7 @@ def alphas(
     barycentric: Floats,
     alpha: Floats,
 ) -> None:
-    """Fill alpha (N,) of points given by triangle (N,) and barycentric (N, 2); 0 where triangle is -1."""
+    """Fill alpha (N,) of points at triangle (N,) and barycentric (N, 2); 0 where it is -1."""
     for n in range(len(triangle)):
         alpha[n] = 0.0
         if triangle[n] >= 0:
@@ -279,8 +284,8 @@ def evaluate(
 ) -> None:
     """Fill the arrays of a `Surface` for N points.
 
-    triangle (N,), barycentric (N, 2); directions (N, 3) unit, of the rays that arrived; footprint (N,) width
-    in metres of what a pixel sees there, across the ray.
+    triangle (N,), barycentric (N, 2); directions (N, 3) unit, of the rays that arrived; footprint
+    (N,) width in metres of what a pixel sees there, across the ray.
     """
     for n in range(len(triangle)):
         f = triangle[n]

@@ -24,17 +24,17 @@ class TextureTable(NamedTuple):
     levels: Ints
     """(T,) how many there are."""
     sampler: Ints
-    """(T, 3): wrap along u and v (repeat 0, clamp 1, mirror 2), and 1 if magnified without interpolation."""
+    """(T, 3): wrap along u and v (repeat 0, clamp 1, mirror 2); 1 if magnified as squares."""
     linear_from_srgb: Floats
     """(256,) decoding of colour."""
 
 
 @kernel
 def halve(texels: Bytes, decoding: Floats, thresholds: Floats, smaller: Bytes) -> None:
-    """Fill `smaller` (h, w, 4) with means of the texels of (H, W, 4) that each of its texels covers.
+    """Fill `smaller` (h, w, 4) with means of those texels of (H, W, 4) that each covers.
 
-    Sizes are halved and rounded down, at least 1; an odd last row or column is folded into its neighbour.
-    Colour is averaged as `decoding` (256,) says; alpha is linear.
+    Sizes are halved and rounded down, at least 1; an odd last row or column is folded into its
+    neighbour. Colour is averaged as `decoding` (256,) says; alpha is linear.
     """
     height, width = texels.shape[0], texels.shape[1]
     h, w = smaller.shape[0], smaller.shape[1]
@@ -83,7 +83,9 @@ def wrapped(index: int, size: int, wrap: int) -> int:
 
 
 @inlined
-def _plus_texel(textures: TextureTable, at: int, weight: float, is_colour: bool, total: Vec4) -> Vec4:
+def _plus_texel(
+    textures: TextureTable, at: int, weight: float, is_colour: bool, total: Vec4
+) -> Vec4:
     """Running total plus one texel, decoded and weighted."""
     texels, decoding = textures.texels, textures.linear_from_srgb
     if is_colour:
@@ -123,12 +125,12 @@ def _plus_level(
         u, v = u - 2.0 * math.floor(u / 2.0), v - 2.0 * math.floor(v / 2.0)
     x, y = u * width, v * height
     if nearest:
-        col = wrapped(int(math.floor(x)), width, wrap_u)
-        row = wrapped(int(math.floor(y)), height, wrap_v)
+        col = wrapped(math.floor(x), width, wrap_u)
+        row = wrapped(math.floor(y), height, wrap_v)
         return _plus_texel(textures, start + row * width + col, weight, is_colour, total)
     x -= 0.5
     y -= 0.5
-    left, top = int(math.floor(x)), int(math.floor(y))
+    left, top = math.floor(x), math.floor(y)
     fx, fy = x - left, y - top
     col0, col1 = wrapped(left, width, wrap_u), wrapped(left + 1, width, wrap_u)
     row0 = start + wrapped(top, height, wrap_v) * width
@@ -150,8 +152,8 @@ def sample(
 ) -> Vec4:
     """Linear RGBA of a texture at uv for a footprint of so many texels of its largest size.
 
-    The filter is NEAREST, BILINEAR, or MIP: trilinear between the two sizes whose texels are next to the
-    footprint's. A magnified texture whose sampler says nearest is read so by every filter.
+    The filter is NEAREST, BILINEAR, or MIP: trilinear between the two sizes whose texels are next
+    to the footprint's. A magnified texture whose sampler says nearest is read so by every filter.
     """
     magnified = texels_per_pixel <= 1.0
     nearest = texture_filter == NEAREST or (textures.sampler[texture, 2] == 1 and magnified)
@@ -161,11 +163,7 @@ def sample(
     lower = int(level)
     fraction = level - lower
     total = (0.0, 0.0, 0.0, 0.0)
-    total = _plus_level(
-        textures, texture, lower, uv, nearest, is_colour, 1.0 - fraction, total
-    )
+    total = _plus_level(textures, texture, lower, uv, nearest, is_colour, 1.0 - fraction, total)
     if fraction > 0.0:
-        total = _plus_level(
-            textures, texture, lower + 1, uv, nearest, is_colour, fraction, total
-        )
+        total = _plus_level(textures, texture, lower + 1, uv, nearest, is_colour, fraction, total)
     return total

@@ -1,7 +1,7 @@
 """All textures of a scene in one array that kernels can read, with their smaller sizes.
 
-Williams 1983, "Pyramidal Parametrics": every level halves the last, each texel the mean of four, taken in
-linear light where the texture holds colours.
+Williams 1983, "Pyramidal Parametrics": every level halves the last, each texel the mean of four,
+taken in linear light where the texture holds colours.
 """
 
 import numpy as np
@@ -64,7 +64,7 @@ def _colour_textures(scene: Scene) -> set[int]:
 
 
 def _pyramid(texture: Texture, is_colour: bool, linear_from_srgb: Floats) -> list[Bytes]:
-    decoding = linear_from_srgb if is_colour else np.arange(256, dtype=np.float32) / 255
+    decoding = linear_from_srgb if is_colour else np.linspace(0, 1, 256, dtype=np.float32)
     thresholds = ((decoding[1:] + decoding[:-1]) / 2).astype(np.float32)
     pyramid = [np.ascontiguousarray(texture.texels)]
     while len(pyramid) < MAX_LEVELS and max(pyramid[-1].shape[:2]) > 1:

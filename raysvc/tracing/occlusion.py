@@ -1,8 +1,9 @@
 """How much of the sky a point sees, within some distance.
 
-Cosine-weighted rays in a fixed pattern. Each pixel of a 4 x 4 tile turns the pattern by another angle
-(interleaved sampling: Keller and Heidrich 2001), and a 4 x 4 mean over neighbours on the same surface
-(`VisibilityPicture.smooth`) then joins 16 patterns into one: as smooth as 16 times the rays.
+Cosine-weighted rays in a fixed pattern. Each pixel of a 4 x 4 tile turns the pattern by another
+angle (interleaved sampling: Keller and Heidrich 2001), and a 4 x 4 mean over neighbours on the same
+surface (`VisibilityPicture.smooth`) then joins 16 patterns into one: as smooth as 16 times the
+rays.
 """
 
 import math
@@ -29,10 +30,11 @@ def pattern(samples: int, seed: int) -> Doubles:
 
 
 def tile_of(pixel: Longs, width: int) -> Ints:
-    """(N,) int32 place of pixels in their 4 x 4 tile, 0..15, neighbours far apart (a Bayer matrix)."""
+    """(N,) int32 place of pixels in a 4 x 4 tile, 0..15, neighbours far apart (Bayer matrix)."""
     row, col = np.divmod(pixel, width)
     bayer = np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]], np.int32)
-    return bayer[row % TILE, col % TILE]
+    tile: Ints = bayer[row % TILE, col % TILE]
+    return tile
 
 
 def visibility(
@@ -42,7 +44,7 @@ def visibility(
     samples: Doubles,
     radius_m: float,
 ) -> Floats:
-    """(N,) float32 in 0..1: the cosine-weighted part of the hemisphere that is free within `radius_m`.
+    """(N,) float32 in 0..1: cosine-weighted part of the hemisphere free within `radius_m`.
 
     `tile` (N,) turns the pattern `samples` (K, 2) by so many sixteenths.
     """
@@ -60,7 +62,8 @@ def visibility(
     )
     rays = Rays(origins, directions, np.full(count, radius_m, np.float32))
     free = world.transmittance(rays).reshape(len(surface), len(samples))
-    return free.mean(axis=1, dtype=np.float32)
+    mean: Floats = free.mean(axis=1, dtype=np.float32)
+    return mean
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,7 +94,7 @@ class VisibilityPicture:
         return replace(self, visible=mean)
 
     def near(self, pixel: Longs, depth: Floats, normal: Floats) -> Floats:
-        """(N,) visibility of points somewhere in pixels, from neighbours that show their surface, or -1."""
+        """(N,) visibility of points in pixels, from neighbours that show their surface, or -1."""
         borrowed = np.empty(len(pixel), np.float32)
         borrow(
             self.visible,

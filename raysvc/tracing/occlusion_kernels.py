@@ -22,7 +22,11 @@ def basis(n: Vec3) -> tuple[Vec3, Vec3]:
     sign = math.copysign(1.0, n[2])
     a = -1.0 / (sign + n[2])
     b = n[0] * n[1] * a
-    return (1.0 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]), (b, sign + n[1] * n[1] * a, -n[1])
+    return (1.0 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]), (
+        b,
+        sign + n[1] * n[1] * a,
+        -n[1],
+    )
 
 
 @kernel
@@ -35,7 +39,7 @@ def cosine_rays(
     origins: Floats,
     directions: Floats,
 ) -> None:
-    """Fill origins and directions (N * K, 3): K cosine-weighted rays about the normal of each of N points.
+    """Fill origins and directions (N * K, 3): K cosine-weighted rays from each of N points.
 
     A direction below the triangle is mirrored to its other side.
     """
@@ -49,7 +53,7 @@ def cosine_rays(
         )
         tangent, bitangent = basis(axis)
         for k in range(count):
-            # Both coordinates move with the tile, so that 16 tiles make a finer lattice and not only a turned one.
+            # Both coordinates move with the tile: 16 tiles make a finer lattice, not a turned one.
             u = (samples[k, 0] + tile[n] / (16.0 * count)) % 1.0
             v = (samples[k, 1] + tile[n] * 0.38196601125) % 1.0
             r, phi = math.sqrt(u), 2.0 * math.pi * v
@@ -69,7 +73,7 @@ def cosine_rays(
 def tile_mean(
     visible: Floats, depth: Floats, normal: Floats, depth_step: Floats, mean: Floats
 ) -> None:
-    """Fill mean (H, W) with the average of the 4 x 4 pixels about each that lie on the same surface."""
+    """Fill mean (H, W) with averages of the 4 x 4 pixels about each that show its surface."""
     height, width = visible.shape
     for row in range(height):
         for col in range(width):
@@ -104,7 +108,7 @@ def borrow(
     point_normal: Floats,
     borrowed: Floats,
 ) -> None:
-    """Fill borrowed (N,) with the mean over the 3 x 3 pixels about each point that show its surface, or -1.
+    """Fill borrowed (N,) with means of the 3 x 3 pixels about each point on its surface, or -1.
 
     The points lie within pixels (N,) but not at their centres.
     """

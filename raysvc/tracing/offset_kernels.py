@@ -1,8 +1,8 @@
 """Where a ray starts so that it does not meet the surface that it leaves.
 
-Wächter and Binder 2019, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems, ch. 6:
-the point moves along the geometric normal by a number of floating-point steps, so the distance fits the
-coordinates' own precision, and by a small fixed distance near the origin.
+Wächter and Binder 2019, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing
+Gems, ch. 6: the point moves along the geometric normal by a number of floating-point steps, so the
+distance fits the coordinates' own precision, and by a small fixed distance near the origin.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ EPSILON = 1.1920929e-07
 
 @inlined
 def offset_origin(
-    position: Floats, geometric_normal: Floats, n: int, side: float, origins: Floats, at: int
+    position: Floats, geometric_normal: Floats, n: int, side: np.float32, origins: Floats, at: int
 ) -> None:
     """Write origins[at]: position n moved along its normal (side 1) or against it (side -1)."""
     steps = np.float32(STEPS * EPSILON)
@@ -35,7 +35,7 @@ def offset_origin(
 def offset_origins(
     position: Floats, geometric_normal: Floats, directions: Floats, origins: Floats
 ) -> None:
-    """Fill origins (N, 3): positions moved to the side of the surface into which the directions go."""
+    """Fill origins (N, 3): positions moved to that side of the surface to which directions go."""
     for n in range(len(position)):
         out = (
             directions[n, 0] * geometric_normal[n, 0]

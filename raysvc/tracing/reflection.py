@@ -9,7 +9,7 @@ from raysvc.types import Floats
 
 
 def mirror_rays(surface: Surface) -> Rays:
-    """Rays (N) reflected about the shading normal; one that would go below the triangle is turned above it."""
+    """Rays (N) reflected about the shading normal; any below the triangle is turned up."""
     cosine = np.einsum("nk,nk->n", surface.normal, surface.view)[:, None]
     directions = 2.0 * cosine * surface.normal - surface.view
     above = np.einsum("nk,nk->n", surface.geometric_normal, directions)[:, None]

@@ -1,4 +1,4 @@
-"""Every ray's questions about one scene: what is first along it, and how much light comes through."""
+"""Every ray's questions about one scene: what is first, and how much light comes through."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from raysvc.types import Bools, Floats, Ints, Longs
 MAX_HOLES = 64
 """Triangles with holes that one ray may pass through; light behind more of them is lost."""
 HALF_SEEN = 0.5
-"""A blended surface that covers at least this much is what a reflection shows; others it sees through."""
+"""Reflections show blended surfaces that cover at least this much, and see through others."""
 STEP_OF_T = 1e-4
 """A ray goes on behind a hole a little beyond it, by this part of the way it has come."""
 
@@ -19,8 +19,8 @@ STEP_OF_T = 1e-4
 class World:
     """A scene's triangles in acceleration structures.
 
-    Triangles with holes (of masked or blended materials) are in a structure of their own: the others,
-    usually nearly all, are then asked once and with the cheapest question.
+    Triangles with holes (of masked or blended materials) are in a structure of their own: the
+    others, usually nearly all, are then asked once and with the cheapest question.
     """
 
     def __init__(self, scene: Scene, tables: SceneTables, structure: str) -> None:
@@ -35,7 +35,7 @@ class World:
         self.build_seconds = sum(part.tree.report.seconds for part in parts)
 
     def nearest(self, rays: Rays) -> Hits:
-        """Nearest hits that can be seen: through holes, and through blends that cover less than half."""
+        """Nearest hits that can be seen: through holes, and blends that cover less than half."""
         hits = hits_on(self._triangles, self._solid.nearest_triangle(rays), rays)
         if self._holed is None:
             return hits
@@ -57,7 +57,7 @@ class World:
         return Hits(t, triangle, barycentric)
 
     def along(self, rays: Rays) -> tuple[Longs, Hits]:
-        """Everything that a camera's rays show, up to and with the first surface that hides the rest.
+        """Everything that a camera's rays show, up to and with what hides the rest.
 
         Single-sided triangles are not seen from behind and masked ones not where they are cut out.
 
@@ -111,7 +111,7 @@ class World:
         """(R,) bool: the triangle is single-sided and its back is towards the ray."""
         corners = self._triangles.positions[self._triangles.indices[triangle]].astype(np.float64)
         across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        behind = np.einsum("nk,nk->n", across, directions) > 0
+        behind: Bools = np.einsum("nk,nk->n", across, directions) > 0
         return behind & ~self._tables.double_sided[triangle]
 
     def transmittance(self, rays: Rays) -> Floats:
@@ -133,7 +133,7 @@ class World:
     def _next_holed(
         self, rays: Rays, active: Longs, begin: Floats, limit: Floats
     ) -> tuple[Hits, Floats]:
-        """Nearest holed triangle of the active rays beyond `begin`, with t from there, and its coverage."""
+        """Nearest holed triangle of active rays beyond `begin`, t from there, and its coverage."""
         assert self._holed is not None
         some = Rays(
             rays.origins[active] + rays.directions[active] * begin[active, None],
