@@ -53,65 +53,67 @@ def sum_boxes(table: Doubles, boxes: Doubles, sums: Doubles) -> None:
 
 
 @inlined
-def _corner_rgb(table: Doubles, row: float, column: float) -> tuple[float, float, float]:
+def _corner_rgb(
+    tables: Doubles, which: int, row: float, column: float
+) -> tuple[float, float, float]:
     """RGB sums above and left of a fractional position within the image."""
-    i = min(int(row), table.shape[0] - 2)
-    j = min(int(column), table.shape[1] - 2)
+    i = min(int(row), tables.shape[1] - 2)
+    j = min(int(column), tables.shape[2] - 2)
     v, u = row - i, column - j
     w00, w01, w10, w11 = (1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u
     # Plain element reads: a view of a texel would count references, atomically
     return (
-        w00 * table[i, j, 0]
-        + w01 * table[i, j + 1, 0]
-        + w10 * table[i + 1, j, 0]
-        + w11 * table[i + 1, j + 1, 0],
-        w00 * table[i, j, 1]
-        + w01 * table[i, j + 1, 1]
-        + w10 * table[i + 1, j, 1]
-        + w11 * table[i + 1, j + 1, 1],
-        w00 * table[i, j, 2]
-        + w01 * table[i, j + 1, 2]
-        + w10 * table[i + 1, j, 2]
-        + w11 * table[i + 1, j + 1, 2],
+        w00 * tables[which, i, j, 0]
+        + w01 * tables[which, i, j + 1, 0]
+        + w10 * tables[which, i + 1, j, 0]
+        + w11 * tables[which, i + 1, j + 1, 0],
+        w00 * tables[which, i, j, 1]
+        + w01 * tables[which, i, j + 1, 1]
+        + w10 * tables[which, i + 1, j, 1]
+        + w11 * tables[which, i + 1, j + 1, 1],
+        w00 * tables[which, i, j, 2]
+        + w01 * tables[which, i, j + 1, 2]
+        + w10 * tables[which, i + 1, j, 2]
+        + w11 * tables[which, i + 1, j + 1, 2],
     )
 
 
 @inlined
 def _column_rgb(
-    table: Doubles, top: float, bottom: float, column: float
+    tables: Doubles, which: int, top: float, bottom: float, column: float
 ) -> tuple[float, float, float]:
     """RGB sums left of a fractional column, between two fractional rows."""
-    red, green, blue = _corner_rgb(table, bottom, column)
-    r, g, b = _corner_rgb(table, top, column)
+    red, green, blue = _corner_rgb(tables, which, bottom, column)
+    r, g, b = _corner_rgb(tables, which, top, column)
     return red - r, green - g, blue - b
 
 
 @inlined
 def periodic_box_rgb(
-    table: Doubles, top: float, bottom: float, left: float, wide: float
+    tables: Doubles, which: int, top: float, bottom: float, left: float, wide: float
 ) -> tuple[float, float, float]:
     """RGB sum over a box of an image that repeats from left to right, S(x + W) = S(x) + S(W).
 
     Parameters
     ----------
-    table
-        (H+1, W+1, 3)
+    tables, which
+        (K, H+1, W+1, 3), and which of the K tables
     top, bottom
         rows within 0..H
     left, wide
         left edge, within -W..2W, and width within 0..W, in texels
     """
-    width = table.shape[1] - 1.0
+    width = tables.shape[2] - 1.0
     if left < 0.0:
         left += width
     elif left >= width:
         left -= width
     right = left + wide
-    red, green, blue = _column_rgb(table, top, bottom, min(left, width))
+    red, green, blue = _column_rgb(tables, which, top, bottom, min(left, width))
     red, green, blue = -red, -green, -blue
     if right > width:
         right -= width
-        r, g, b = _column_rgb(table, top, bottom, width)
+        r, g, b = _column_rgb(tables, which, top, bottom, width)
         red, green, blue = red + r, green + g, blue + b
-    r, g, b = _column_rgb(table, top, bottom, min(right, width))
+    r, g, b = _column_rgb(tables, which, top, bottom, min(right, width))
     return red + r, green + g, blue + b

@@ -75,8 +75,8 @@ def _lifted(
 
 @kernel
 def diffuse_light(
-    around_y: Doubles,
-    around_x: Doubles,
+    sharp: Doubles,
+    soft: Doubles,
     losses: Doubles,
     pattern: Doubles,
     lift: float,
@@ -115,7 +115,7 @@ def diffuse_light(
                 weight = share * (1.0 - fresnel_weight(voh))
                 angle = min(pattern[k, 3] * math.pi / up, MAX_SOLID_ANGLE)
                 lx, ly, lz = _lifted(lx, ly, lz, nx, ny, nz, up, lift, angle)
-                r, g, bl = mean_radiance(around_y, around_x, lx, ly, lz, angle)
+                r, g, bl = mean_radiance(sharp, soft, lx, ly, lz, angle)
                 red += weight * r
                 green += weight * g
                 blue += weight * bl
@@ -131,8 +131,8 @@ def diffuse_light(
 
 @kernel
 def specular_light(
-    around_y: Doubles,
-    around_x: Doubles,
+    sharp: Doubles,
+    soft: Doubles,
     raw_map: Floats,
     terms: Doubles,
     pattern: Doubles,
@@ -204,7 +204,7 @@ def specular_light(
                         lift,
                         angle,
                     )
-                    r, g, b = mean_radiance(around_y, around_x, lx, ly, lz, angle)
+                    r, g, b = mean_radiance(sharp, soft, lx, ly, lz, angle)
                     x = fresnel_weight(voh)
                     wx, w1 = weight * x, weight * (1.0 - x)
                     r_scale, g_scale, b_scale = r_scale + w1 * r, g_scale + w1 * g, b_scale + w1 * b

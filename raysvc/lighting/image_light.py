@@ -78,8 +78,8 @@ class ImageLight:
         """
         result = np.empty((len(surface), 3), np.float32)
         diffuse_light(
-            self._table.around_y,
-            self._table.around_x,
+            self._table.sharp,
+            self._table.soft,
             self._albedo.diffuse,
             cosine_pattern(samples),
             DIFFUSE_LIFT,
@@ -113,8 +113,8 @@ class ImageLight:
         """
         result = np.empty((len(surface), 3), np.float32)
         specular_light(
-            self._table.around_y,
-            self._table.around_x,
+            self._table.sharp,
+            self._table.soft,
             self._map,
             self._albedo.specular,
             visible_normal_pattern(samples),

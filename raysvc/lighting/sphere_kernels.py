@@ -14,6 +14,15 @@ MAX_SINE = 0.9
 """Of half the height of the largest box."""
 
 
+SOFT_LEVELS = 4
+SOFT_SIDE = 0.1
+"""In radians: side of the box with whose variance level 0 is blurred; doubles with each level."""
+SOFT_FROM = 0.15
+"""Side from which boxes read level 0."""
+LEVEL_BLEND = 0.3
+"""Part of an octave in which two levels are blended."""
+
+
 @inlined
 def y_share(y: float) -> float:
     """Share of the cylinder around Y in lookups at height y of the unit sphere: smooth, 1 to 0."""
@@ -23,14 +32,14 @@ def y_share(y: float) -> float:
 
 @inlined
 def _cylinder_mean(
-    table: Doubles, along: float, across: float, ahead: float, solid_angle: float
+    tables: Doubles, which: int, along: float, across: float, ahead: float, solid_angle: float
 ) -> tuple[float, float, float]:
     """Mean radiance over a box of a cylinder, square on the sphere, never smaller than a texel.
 
     Takes the direction as its parts along the axis, to the right of the centre column and towards
     it.
     """
-    rows, columns = table.shape[0] - 1, table.shape[1] - 1
+    rows, columns = tables.shape[1] - 1, tables.shape[2] - 1
     # A square of half height h has 4 sin^2 h steradians, exactly while it clears the axis
     sin_h = min(0.5 * math.sqrt(solid_angle), MAX_SINE)
     cos_h = math.sqrt(1.0 - sin_h * sin_h)
@@ -45,26 +54,84 @@ def _cylinder_mean(
     wide = min(max(turn / (2.0 * math.pi) * columns, 1.0), columns * 1.0)
     centre = (math.atan2(across, ahead) / (2.0 * math.pi) + 0.5) * columns
     red, green, blue = periodic_box_rgb(
-        table, middle - half_rows, middle + half_rows, centre - 0.5 * wide, wide
+        tables, which, middle - half_rows, middle + half_rows, centre - 0.5 * wide, wide
     )
     scale = 1.0 / (2.0 * half_rows * wide)
     return red * scale, green * scale, blue * scale
 
 
 @inlined
-def mean_radiance(
-    around_y: Doubles, around_x: Doubles, x: float, y: float, z: float, solid_angle: float
+def box_mean(
+    tables: Doubles, level: int, x: float, y: float, z: float, solid_angle: float
 ) -> tuple[float, float, float]:
-    """Mean RGB over about `solid_angle` steradians around the unit direction (x, y, z)."""
+    """Mean RGB over a box of `solid_angle` steradians around the unit direction (x, y, z).
+
+    `tables` (2 L, H+1, W+1, 3) holds for each of L levels the cylinder around Y, then around X.
+    """
     share = y_share(y)
     if share >= 1.0:
-        return _cylinder_mean(around_y, y, x, -z, solid_angle)
-    r, g, b = _cylinder_mean(around_x, x, y, -z, solid_angle)
+        return _cylinder_mean(tables, 2 * level, y, x, -z, solid_angle)
+    r, g, b = _cylinder_mean(tables, 2 * level + 1, x, y, -z, solid_angle)
     if share <= 0.0:
         return r, g, b
-    red, green, blue = _cylinder_mean(around_y, y, x, -z, solid_angle)
+    red, green, blue = _cylinder_mean(tables, 2 * level, y, x, -z, solid_angle)
     rest = 1.0 - share
     return red * share + r * rest, green * share + g * rest, blue * share + b * rest
+
+
+@inlined
+def _level_mean(
+    sharp: Doubles, soft: Doubles, level: int, x: float, y: float, z: float, solid_angle: float
+) -> tuple[float, float, float]:
+    """Mean RGB over a box of a level; -1 is the sharp one. The level's own blur is part of it."""
+    if level < 0:
+        return box_mean(sharp, 0, x, y, z, solid_angle)
+    side = SOFT_SIDE * 2.0**level
+    return box_mean(soft, level, x, y, z, max(solid_angle - side * side, 0.25 * solid_angle))
+
+
+@inlined
+def mean_radiance(
+    sharp: Doubles, soft: Doubles, x: float, y: float, z: float, solid_angle: float
+) -> tuple[float, float, float]:
+    """Mean RGB over about `solid_angle` steradians around the unit direction (x, y, z).
+
+    Boxes have hard edges, which show where a light is much brighter than its surroundings. Large
+    boxes therefore read tables of a softened map, whose blur is a third to two thirds of their
+    side, and are that much smaller: variances add. Between levels they are blended.
+    """
+    place = 0.5 * math.log2(solid_angle / (SOFT_FROM * SOFT_FROM))
+    if place <= -LEVEL_BLEND:
+        return box_mean(sharp, 0, x, y, z, solid_angle)
+    level = min(math.floor(place), SOFT_LEVELS - 1)
+    part = (place - level - (1.0 - LEVEL_BLEND)) / LEVEL_BLEND
+    red, green, blue = _level_mean(sharp, soft, level, x, y, z, solid_angle)
+    if part <= 0.0 or level == SOFT_LEVELS - 1:
+        return red, green, blue
+    r, g, b = _level_mean(sharp, soft, level + 1, x, y, z, solid_angle)
+    rest = 1.0 - part
+    return red * rest + r * part, green * rest + g * part, blue * rest + b * part
+
+
+@kernel
+def soften(tables: Doubles, level: int, solid_angle: float, images: Doubles) -> None:
+    """Write the box means of a level of `tables` to `images` (2, rows, columns, 3).
+
+    One image for each cylinder, at its texels' centres.
+    """
+    rows, columns = images.shape[1], images.shape[2]
+    for i in range(rows):
+        along = 1.0 - 2.0 * (i + 0.5) / rows
+        radius = math.sqrt(1.0 - along * along)
+        for j in range(columns):
+            azimuth = ((j + 0.5) / columns - 0.5) * 2.0 * math.pi
+            across, z = radius * math.sin(azimuth), -radius * math.cos(azimuth)
+            for k in range(2):
+                x, y = (across, along) if k == 0 else (along, across)
+                red, green, blue = box_mean(tables, level, x, y, z, solid_angle)
+                images[k, i, j, 0] = red
+                images[k, i, j, 1] = green
+                images[k, i, j, 2] = blue
 
 
 @inlined

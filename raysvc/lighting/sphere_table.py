@@ -14,24 +14,31 @@ import numpy as np
 
 from raysvc.imaging.sat import summed_area_table
 from raysvc.lighting.lat_long import texel_solid_angles
-from raysvc.lighting.sphere_kernels import spread_to_x_cylinder
+from raysvc.lighting.sphere_kernels import (
+    SOFT_LEVELS,
+    SOFT_SIDE,
+    soften,
+    spread_to_x_cylinder,
+)
 from raysvc.types import Doubles, Floats
 
-MAX_WIDTH = 2048
-"""Texels around a cylinder: finer than half of the narrowest lobe that is filtered."""
+MAX_COLUMNS = 2048
+"""Texels around a sharp cylinder: finer than half of the narrowest lobe that is filtered."""
+SOFT_COLUMNS = 256
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SphereTable:
     """Read-only tables for `sphere_kernels.mean_radiance`, as `summed_area_table` makes them.
 
-    Both are (H+1, W+1, 3) float64 over an image whose texels all have the same solid angle. Row 0
-    is at +axis; the centre column is what is seen along -Z; to its right is +X around Y, and +Y
-    around X.
+    All are (H+1, W+1, 3) float64 over an image whose texels have the same solid angle. Row 0 is at
+    +axis; the centre column is what is seen along -Z; to its right is +X around Y, and +Y around X.
     """
 
-    around_y: Doubles
-    around_x: Doubles
+    sharp: Doubles
+    """(2, H+1, W+1, 3): the map on the cylinder around Y, and on that around X."""
+    soft: Doubles
+    """(2 SOFT_LEVELS, 129, 257, 3): both cylinders of a blurred map, for each level."""
 
     @staticmethod
     def of(radiance: Floats) -> "SphereTable":
@@ -41,17 +48,31 @@ class SphereTable:
         of every texel shared out over the texels that it meets. Constant maps give constant tables.
         """
         height, width, _ = radiance.shape
-        columns = min(max(width, 64), MAX_WIDTH)
+        columns = min(max(width, 64), MAX_COLUMNS)
         rows = max(columns // 2, 32)
-        around_y = _resampled_to_y_cylinder(radiance, rows, columns)
-
         shared = np.zeros((rows, columns, 4))
         detail = 2 if height >= rows else math.ceil(2 * rows / height)
         spread_to_x_cylinder(radiance, detail, shared)
-        around_x = summed_area_table(_radiance_of_shares(shared))
-        for table in (around_y, around_x):
-            table.setflags(write=False)
-        return SphereTable(around_y, around_x)
+        sharp = np.stack(
+            [
+                _resampled_to_y_cylinder(radiance, rows, columns),
+                summed_area_table(_radiance_of_shares(shared)),
+            ]
+        )
+        soft = np.concatenate([_softened(sharp, SOFT_SIDE * 2.0**k) for k in range(SOFT_LEVELS)])
+        for tables in (sharp, soft):
+            tables.setflags(write=False)
+        return SphereTable(sharp, soft)
+
+
+def _softened(sharp: Doubles, side: float) -> Doubles:
+    """Tables (2, 129, 257, 3) of the map under two boxes that together blur like one of `side`."""
+    images = np.empty((2, SOFT_COLUMNS // 2, SOFT_COLUMNS, 3))
+    tables = sharp
+    for _ in range(2):
+        soften(tables, 0, 0.5 * side * side, images)
+        tables = np.stack([summed_area_table(image) for image in images])
+    return tables
 
 
 def _resampled_to_y_cylinder(radiance: Floats, rows: int, columns: int) -> Doubles:
