@@ -99,26 +99,26 @@ def _leaves(centres: Doubles, radii: Doubles, foliage: Foliage, rng: np.random.G
     return _scattered(corners, unit(outward + 0.6 * from_whole + 0.7 * facing), aside, colours)
 
 
-def blades(roots: Doubles, height: float, colour: Colour, rng: np.random.Generator) -> Mesh:
-    """Grass: two triangles for each of (N, 3) roots, back to back, leaning at random.
+def blades(roots: Doubles, length: float, colour: Colour, rng: np.random.Generator) -> Mesh:
+    """Grass: one triangle for each of (N, 3) roots, lying at random under half of a right angle.
 
-    Both sides are lit from above: a back face alone would have its normal turned into the ground.
+    Flat enough for the upper sides to be seen, and to be lit wherever the sun stands: nothing here
+    lets light through, and upright blades with the sun behind them would be black.
     """
     count = len(roots)
     turn = 2.0 * np.pi * rng.random(count)
-    aside = np.column_stack([np.cos(turn), np.zeros(count), np.sin(turn)])
-    lean = _directions(count, rng) * (1.0, 0.0, 1.0)
-    tall = height * (0.5 + rng.random(count))[:, None]
-    tip = roots + tall * (np.array([0.0, 1.0, 0.0]) + 0.5 * lean)
-    half_width = 0.07 * height
-    corners = np.stack([roots + aside * half_width, tip, roots - aside * half_width], axis=1)
-    thickness = 5e-4 * unit(np.cross(aside, tip - roots))[:, None, :]
-    both = np.concatenate([corners + thickness, corners[:, ::-1] - thickness])
-    normals = unit(np.array([0.0, 1.0, 0.0]) + 0.25 * lean)
-    tone = (0.7 + 0.7 * rng.random(count))[:, None]
+    lean = np.column_stack([np.cos(turn), np.zeros(count), np.sin(turn)])
+    aside = np.column_stack([-lean[:, 2], np.zeros(count), lean[:, 0]])
+    slope = np.radians(12.0 + 26.0 * rng.random(count))[:, None]
+    up = np.array([0.0, 1.0, 0.0])
+    reach = length * (0.5 + rng.random(count))[:, None]
+    tip = roots + reach * (np.cos(slope) * lean + np.sin(slope) * up)
+    foot = roots + 0.006 * up
+    corners = np.stack([foot - aside * 0.08 * length, foot + aside * 0.08 * length, tip], axis=1)
+    tone = (0.75 + 0.75 * rng.random(count))[:, None]
     tint = 1.0 + 0.5 * (rng.random(count)[:, None] - 0.5) * np.array([1.0, 0.2, 0.0])
     colours = np.array(colour) * tone * tint
-    return _scattered(both, *(np.concatenate([rows, rows]) for rows in (normals, aside, colours)))
+    return _scattered(corners, unit(up - 0.4 * np.sin(slope) * lean), aside, colours)
 
 
 def _scattered(corners: Doubles, normals: Doubles, aside: Doubles, colours: Doubles) -> Mesh:

@@ -36,7 +36,7 @@ MATERIALS = (
 GRASS = (0.13, 0.22, 0.045)
 OAK = Foliage((0.10, 0.19, 0.035), 0.24, 4_900)
 LIME = Foliage((0.17, 0.25, 0.045), 0.23, 4_800)
-CHERRY = Foliage((0.68, 0.34, 0.36), 0.14, 10_000)
+CHERRY = Foliage((0.68, 0.34, 0.36), 0.11, 18_000)
 FAR_CHERRY = Foliage((0.68, 0.34, 0.36), 0.20, 3_500)
 POPLAR = Foliage((0.085, 0.17, 0.05), 0.25, 2_200)
 SHRUB = Foliage((0.09, 0.18, 0.04), 0.11, 1_000)
@@ -127,8 +127,8 @@ def _park(rng: np.random.Generator) -> Mesh:
         _on_ground(np.array([place for *_, place in BUSHES])),
     )
     grown = merged([lawn, trees, bushes])
-    roots = _roots((PARK_TRIANGLES - len(grown.triangles)) // 2, rng)
-    return merged([grown, blades(roots, 0.09, GRASS, rng)])
+    roots = _roots(PARK_TRIANGLES - len(grown.triangles), rng)
+    return merged([grown, blades(roots, 0.12, GRASS, rng)])
 
 
 def _roots(count: int, rng: np.random.Generator) -> Doubles:

@@ -1,8 +1,9 @@
 """Environment maps: Radiance .hdr through OpenImageIO, .exr through OpenEXR."""
 
 import os
+import re
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 import OpenImageIO
@@ -23,17 +24,9 @@ _HDR_MAGICS = (b"#?RADIANCE", b"#?RGBE")
 
 _HEADER_BYTES = 2048
 
-# How to turn pixels upright, by Exif's number for the order that they are in.
-_UPRIGHT: Mapping[int, Callable[[Floats], Floats]] = {
-    1: lambda pixels: pixels,
-    2: lambda pixels: pixels[:, ::-1],
-    3: lambda pixels: pixels[::-1, ::-1],
-    4: lambda pixels: pixels[::-1],
-    5: lambda pixels: pixels.transpose(1, 0, 2),
-    6: lambda pixels: pixels[::-1].transpose(1, 0, 2),
-    7: lambda pixels: pixels[::-1, ::-1].transpose(1, 0, 2),
-    8: lambda pixels: pixels[:, ::-1].transpose(1, 0, 2),
-}
+_RESOLUTION = re.compile(rb"\n([-+][XY]) \d+ ([-+][XY]) \d+\n")
+_BACKWARDS = (b"+Y", b"-X")
+"""Axes along which the first pixel belongs last: rows go down (-Y), columns to the right (+X)."""
 
 Source = str | os.PathLike[str] | Files | Mapping[str, bytes]
 
@@ -114,10 +107,20 @@ def _read_hdr(data: bytes, limits: Limits, name: str) -> Floats:
             pixels = picture.read_image(OpenImageIO.FLOAT)
             if pixels is None or spec.nchannels != 3:
                 raise InvalidEnvironment(_reason(picture.geterror(), path), name)
-            upright = _UPRIGHT[spec.get_int_attribute("Orientation", 1)]
-            return np.ascontiguousarray(upright(pixels), np.float32)
+            return _upright(np.asarray(pixels, np.float32), data)
         finally:
             picture.close()
+
+
+def _upright(pixels: Floats, data: bytes) -> Floats:
+    """Undo the order of scanlines that the header gives; OpenImageIO leaves that to its callers."""
+    resolution = _RESOLUTION.search(data[:_HEADER_BYTES])
+    if resolution is None:
+        return pixels
+    for axis in (0, 1):
+        if resolution[axis + 1] in _BACKWARDS:
+            pixels = np.flip(pixels, axis)
+    return pixels.transpose(1, 0, 2) if resolution[1].endswith(b"X") else pixels
 
 
 def _reason(message: str, path: str) -> str:
@@ -128,9 +131,9 @@ def _reason(message: str, path: str) -> str:
 
 def _checked(radiance: Floats, warnings: list[str], name: str) -> Environment:
     """Make pixels finite, not negative and of this world, and say what was changed."""
-    pixels = np.array(radiance, np.float32)
+    pixels = np.array(radiance, np.float32, order="C")
     for faulty, value, what in (
-        (~np.isfinite(pixels), 0.0, "were not finite and are now black"),
+        (np.isnan(pixels), 0.0, "were not numbers and are now black"),
         (pixels < 0.0, 0.0, "were negative and are now black"),
         (pixels > MAX_RADIANCE, MAX_RADIANCE, f"were above {MAX_RADIANCE:g} and are now that"),
     ):

@@ -104,11 +104,13 @@ def _read_ply(data: bytes, files: Files, library: MaterialLibrary, limits: Limit
         ),
         files.main,
     )
-    if "faces" not in parsed or not len(parsed["faces"]):
+    if not ("face" in header.elements and header.elements["face"].count):
         library.warnings.append("holds points but no faces; there is nothing to draw")
         return [], []
     _check_polygons(parsed, files.main)
     part = _part(parsed, 0)
+    if len(part.triangles) < header.elements["face"].count:
+        raise InvalidScene("has fewer faces of three corners than it says", files.main)
     face_uv = _wedge_uv(parsed, len(part.triangles))
     if face_uv is not None:
         part = part.unshared()

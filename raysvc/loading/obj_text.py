@@ -13,6 +13,7 @@ from raysvc.errors import InvalidScene, LimitExceeded
 from raysvc.limits import Limits
 
 _MAX_REPORTED = 80
+_ODD_FACE = re.compile(r"^f(?= )(?!(?: -?\d{1,10}(?:/(?:-?\d{1,10})?){0,2})+ ?$).*", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +38,9 @@ def read_obj_text(data: bytes, limits: Limits, name: str) -> ObjText:
     vertices = text.count("\nv ")
     if vertices > limits.max_vertices or faces > limits.max_triangles:
         raise LimitExceeded(f"{vertices:,} vertices and {faces:,} faces are too many", name)
+    odd = _ODD_FACE.search(text)
+    if odd is not None:
+        raise InvalidScene(f"has a face that is not one: {_shown(odd[0])}", name)
     if re.search(r"^f(?= )[^\n]*?[ /]-", text, re.MULTILINE):
         text = _with_absolute_indices(text, name)
     zero = re.search(r"^f(?= )[^\n]*?[ /]0+(?=[ /\n])", text, re.MULTILINE)
