@@ -20,11 +20,15 @@ from raysvc.lighting.brdf import (
     shadowing_given_masking,
     visible_normal,
 )
-from raysvc.lighting.sphere_kernels import map_radiance, mean_radiance, y_share
+from raysvc.lighting.sphere_kernels import map_radiance, mean_radiance
 from raysvc.types import Doubles, Floats
 
 MAX_SOLID_ANGLE = 3.5
 """Of a lookup, in steradians."""
+
+FRAME_BLEND_BEGIN = 0.5
+FRAME_BLEND_END = 0.87
+"""Between these |N.y| a lobe's frame turns from the parallels of Y to those of X."""
 
 MIN_WEIGHT = 1e-6
 """Of a direction below the horizon: nothing, unless the whole lobe is there."""
@@ -35,6 +39,17 @@ def _turned(vectors: Floats, i: int, cos_yaw: float, sin_yaw: float) -> tuple[fl
     """Row i of world vectors (N, 3) in the map's frame."""
     x, y, z = float(vectors[i, 0]), float(vectors[i, 1]), float(vectors[i, 2])
     return cos_yaw * x - sin_yaw * z, y, sin_yaw * x + cos_yaw * z
+
+
+@inlined
+def _frame_share(ny: float) -> float:
+    """Share of the frame along the parallels of Y, smooth from 1 to 0.
+
+    No frame is smooth on the whole sphere; lookups in two frames are blended, over a wide band, for
+    a lobe of few lookups looks different in each.
+    """
+    t = min(max((FRAME_BLEND_END - abs(ny)) / (FRAME_BLEND_END - FRAME_BLEND_BEGIN), 0.0), 1.0)
+    return t * t * (3.0 - 2.0 * t)
 
 
 @inlined
@@ -98,7 +113,7 @@ def diffuse_light(
         nov = nx * vx + ny * vy + nz * vz
         red, green, blue, total = 0.0, 0.0, 0.0, 0.0
         for around in range(2):
-            share = y_share(ny)
+            share = _frame_share(ny)
             if around == 1:
                 share = 1.0 - share
             if share <= 0.0:
@@ -166,7 +181,7 @@ def specular_light(
             alpha = ggx_alpha(float(roughness[i]))
             cos_v = max(nov, MIN_COSINE)
             for around in range(2):
-                share = y_share(ny)
+                share = _frame_share(ny)
                 if around == 1:
                     share = 1.0 - share
                 if share <= 0.0:

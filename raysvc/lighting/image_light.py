@@ -15,8 +15,8 @@ from raysvc.scene import Environment
 from raysvc.shading.surface import Surface
 from raysvc.types import Floats
 
-DIFFUSE_LIFT = 1.0
-SPECULAR_LIFT = 0.93
+DIFFUSE_LIFT = 1.07
+SPECULAR_LIFT = 0.92
 """Height that a lookup's box keeps above the horizon, in halves of the box."""
 
 

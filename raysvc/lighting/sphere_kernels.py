@@ -6,8 +6,8 @@ from raysvc.imaging.sat_kernels import periodic_box_rgb
 from raysvc.jit import inlined, kernel
 from raysvc.types import Doubles, Floats
 
-BLEND_BEGIN = 0.64
-BLEND_END = 0.77
+BLEND_BEGIN = 0.55
+BLEND_END = 0.82
 """Between these |y| a lookup moves from the cylinder around Y to the one around X."""
 
 MAX_SINE = 0.9
@@ -17,7 +17,7 @@ MAX_SINE = 0.9
 SOFT_LEVELS = 4
 SOFT_SIDE = 0.1
 """In radians: side of the box with whose variance level 0 is blurred; doubles with each level."""
-SOFT_FROM = 0.15
+SOFT_FROM = 0.12
 """Side from which boxes read level 0."""
 LEVEL_BLEND = 0.3
 """Part of an octave in which two levels are blended."""
@@ -97,7 +97,7 @@ def mean_radiance(
     """Mean RGB over about `solid_angle` steradians around the unit direction (x, y, z).
 
     Boxes have hard edges, which show where a light is much brighter than its surroundings. Large
-    boxes therefore read tables of a softened map, whose blur is a third to two thirds of their
+    boxes therefore read tables of a softened map, whose blur is 0.4 to 0.8 of their
     side, and are that much smaller: variances add. Between levels they are blended.
     """
     place = 0.5 * math.log2(solid_angle / (SOFT_FROM * SOFT_FROM))
