@@ -19,7 +19,7 @@ SUN_RADIUS_DEG = 0.45
 SUN_COLOUR = np.array([1.0, 0.93, 0.82])
 SUN_TO_SKY = 3.6
 """Irradiance of level ground by the sun, over that by the sky."""
-LEVEL_RADIOSITY = 1.7
+LEVEL_RADIOSITY = 1.5
 """Irradiance of level ground over pi, as luminance: what white paper would show."""
 ZENITH_COLOUR = np.array([0.50, 0.96, 2.15])
 HORIZON_COLOUR = np.array([0.84, 1.02, 1.20])

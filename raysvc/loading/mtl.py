@@ -18,7 +18,7 @@ from raysvc.loading.obj_text import decode_text
 from raysvc.scene import Material, Texture, TextureRef
 from raysvc.types import Bytes
 
-DEFAULT_COLOUR = (0.6, 0.6, 0.6, 1.0)
+DEFAULT_COLOUR = (0.42, 0.42, 0.42, 1.0)
 DEFAULT_ROUGHNESS = 0.5
 PLAIN = Material("plain", DEFAULT_COLOUR, 0.0, DEFAULT_ROUGHNESS, double_sided=True)
 """What is made of no material that a file names."""
