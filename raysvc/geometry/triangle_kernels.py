@@ -9,6 +9,8 @@ from raysvc.jit import inlined, kernel
 from raysvc.types import Floats, Ints
 
 Vec3 = tuple[float, float, float]
+ON_EDGE = 1e-12
+"""A weight this little below 0 is rounding: no ray slips between triangles that share an edge."""
 
 
 @inlined
@@ -42,8 +44,8 @@ def intersect_plane(origin: Vec3, direction: Vec3, a: Vec3, b: Vec3, c: Vec3) ->
 
 @inlined
 def vec3(array: Floats, row: int) -> Vec3:
-    """Row of an (N, 3) array as a tuple of doubles."""
-    return (float(array[row, 0]), float(array[row, 1]), float(array[row, 2]))
+    """Row of an (N, 3) array as a tuple of doubles; Numba's float() would leave it single."""
+    return (np.float64(array[row, 0]), np.float64(array[row, 1]), np.float64(array[row, 2]))
 
 
 @kernel
@@ -102,10 +104,10 @@ def all_pairs_nearest(
 ) -> None:
     """Fill triangle (R,) with the nearest triangle that each ray meets at 0 <= t <= t_max, else -1.
 
-    Tests every triangle; the lowest index wins a tie.
+    Tests every triangle; the lowest index wins a tie. A ray in a triangle's plane does not meet it.
     """
     for r in range(len(triangle)):
-        best = float(t_max[r])
+        best: float = np.float64(t_max[r])
         triangle[r] = -1
         o, d = vec3(origins, r), vec3(directions, r)
         for f in range(len(triangles)):
@@ -117,6 +119,7 @@ def all_pairs_nearest(
                 vec3(positions, triangles[f, 2]),
             )
             closer = t < best or (t == best and triangle[r] < 0)
-            if closer and t >= 0.0 and u >= 0.0 and v >= 0.0 and u + v <= 1.0:
+            inside = u >= -ON_EDGE and v >= -ON_EDGE and u + v <= 1.0 + ON_EDGE
+            if closer and inside and 0.0 <= t < np.inf:
                 best = t
                 triangle[r] = f
