@@ -3,6 +3,8 @@
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from raysvc.jit import inlined, kernel
 from raysvc.shading.material_table import (
     ALPHA,
@@ -80,8 +82,8 @@ def unit_or(a: Vec3, other: Vec3) -> Vec3:
 
 @inlined
 def row3(array: Floats, row: int) -> Vec3:
-    """Row of an (N, 3) array."""
-    return (float(array[row, 0]), float(array[row, 1]), float(array[row, 2]))
+    """Row of an (N, 3) array as doubles; Numba's float() would leave it single."""
+    return (np.float64(array[row, 0]), np.float64(array[row, 1]), np.float64(array[row, 2]))
 
 
 @inlined
@@ -254,9 +256,8 @@ def alphas(
     for n in range(len(triangle)):
         alpha[n] = 0.0
         if triangle[n] >= 0:
-            alpha[n] = alpha_of(
-                geometry, materials, textures, triangle[n], barycentric[n, 0], barycentric[n, 1]
-            )
+            u, v = np.float64(barycentric[n, 0]), np.float64(barycentric[n, 1])
+            alpha[n] = alpha_of(geometry, materials, textures, triangle[n], u, v)
 
 
 @kernel
@@ -289,7 +290,7 @@ def evaluate(
     """
     for n in range(len(triangle)):
         f = triangle[n]
-        u, v = float(barycentric[n, 0]), float(barycentric[n, 1])
+        u, v = np.float64(barycentric[n, 0]), np.float64(barycentric[n, 1])
         weights = (1.0 - u - v, u, v)
         i0, i1, i2 = geometry.triangles[f, 0], geometry.triangles[f, 1], geometry.triangles[f, 2]
         material = geometry.material_of_triangle[f]
