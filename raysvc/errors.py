@@ -1,19 +1,19 @@
 """Everything that raysvc raises on purpose.
 
-    RaysvcError
-      + InvalidInput            the caller sent something wrong; names the field
-      |   - InvalidScene        a scene file that is broken or lies
-      |   - InvalidEnvironment  the same for an environment map
-      |   - InvalidSetting      a camera, setting or parameter out of its range, or unknown
-      |   - Unsupported         correct, and required, but not something that raysvc can do
-      |   - LimitExceeded       larger than the limits allow
-      + NotFound                no such scene, environment, render
-      + NotFinished             there will be a picture, but not yet
-      + Gone                    there was a picture, and it is no longer kept
-      + Unavailable             a part of raysvc that this machine cannot run
-      + QueueFull               try again later
-      + Cancelled               the caller asked to stop
-      + DeadlineExceeded        the work took longer than it was given
+RaysvcError
+  + InvalidInput            the caller sent something wrong; names the field
+  |   - InvalidScene        a scene file that is broken or lies
+  |   - InvalidEnvironment  the same for an environment map
+  |   - InvalidSetting      a camera, setting or parameter out of its range, or unknown
+  |   - Unsupported         correct, and required, but not something that raysvc can do
+  |   - LimitExceeded       larger than the limits allow
+  + NotFound                no such scene, environment, render
+  + NotFinished             there will be a picture, but not yet
+  + Gone                    there was a picture, and it is no longer kept
+  + Unavailable             a part of raysvc that this machine cannot run
+  + QueueFull               try again later
+  + Cancelled               the caller asked to stop
+  + DeadlineExceeded        the work took longer than it was given
 """
 
 

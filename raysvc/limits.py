@@ -1,4 +1,5 @@
-"""How large input may be before it is refused, said once and with defaults that fit a 4 GB container."""
+"""How large input may be before it is refused, said once and with defaults that fit a 4 GB
+container."""
 
 from dataclasses import dataclass
 

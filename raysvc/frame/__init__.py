@@ -1,0 +1,7 @@
+"""From a scene to a picture: what may be asked, the stages, and what comes out.
+
+Settings, View   what a caller may ask
+prepare          what is made once per scene and environment
+STAGES           rasterise -> shadows -> occlusion -> reflections -> light -> edges -> lens
+Frame            layers, statistics, files
+"""

@@ -18,7 +18,8 @@ def composite(
     radiance: Floats,
     alpha: Floats,
 ) -> Floats:
-    """Premultiplied linear RGBA (P, 4) of pixels (P,): their points over one another and the background.
+    """Premultiplied linear RGBA (P, 4) of pixels (P,): their points over one another and the
+    background.
 
     Point n, of N sorted front to back, belongs to pixel[row[n]]; radiance is (N, 3), alpha (N,).
     """

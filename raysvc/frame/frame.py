@@ -26,7 +26,8 @@ class Frame:
 
     Layers, by name, of H x W pixels with row 0 at the top:
 
-    - `beauty` (H, W, 4) float32: linear scene-referred Rec.709, premultiplied by alpha, after the lens
+    - `beauty` (H, W, 4) float32: linear scene-referred Rec.709, premultiplied by alpha, after the
+    lens
     - `depth` (H, W) float32: metres along the view axis, inf where there is nothing
     - `normal` (H, W, 3) float32: world-space shading normal, 0 where there is nothing
     - `albedo` (H, W, 3) float32: linear base colour
@@ -34,7 +35,8 @@ class Frame:
     - `object`, `material` (H, W) int32: the instance and material of that triangle
     - `occlusion` (H, W) float32: the part of the hemisphere that is free, 1 where there is nothing
     - `edge` (H, W) float32: 1 where anti-aliasing took more samples
-    - `coc` (H, W) float32: signed diameter of the circle of confusion in pixels, less than 0 in front
+    - `coc` (H, W) float32: signed diameter of the circle of confusion in pixels, less than 0 in
+    front
       of what is sharp; only when there was a lens
     """
 
@@ -48,7 +50,8 @@ class Frame:
         return display8(beauty, self.settings.tone_map, self.settings.exposure_stops)
 
     def encode(self, format: str, layer: str | None = None) -> bytes:
-        """Return a file of the given format: the tone-mapped picture, or all layers for exr and npz.
+        """Return a file of the given format: the tone-mapped picture, or all layers for exr and
+        npz.
 
         With `layer`, that layer alone: as it is in exr and npz, made visible in the others.
         Raises InvalidSetting for a format or layer that there is not.

@@ -29,13 +29,14 @@ def footprint_spread(half_height: float, height: int, perspective: bool) -> floa
 
 
 def front(points: Points, pixels: int) -> Longs:
-    """(pixels,) int64: which of the N points stands for each pixel in its layers, -1 where there is none.
+    """(pixels,) int64: which of the N points stands for each pixel in its layers, -1 where there
+    is none.
 
     The first that covers at least half of what is behind it, else the last.
     """
     chosen = np.full(pixels, -1, np.int64)
     order = np.arange(len(points.pixel))
-    # Later assignments win: first whatever is last, then, from back to front, all that cover enough.
+    # Later assignments win: first whatever is last, then, from back to front, what covers enough.
     chosen[points.pixel] = order
     solid = order[points.surface.alpha >= 0.5][::-1]
     chosen[points.pixel[solid]] = solid

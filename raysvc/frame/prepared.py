@@ -16,7 +16,8 @@ Made = TypeVar("Made")
 
 
 class _Kept(Generic[Owner, Made]):
-    """Things made from an owner and a key, kept as long as the owner lives; the last few keys of each."""
+    """Things made from an owner and a key, kept as long as the owner lives; the last few keys of
+    each."""
 
     KEYS = 4
 
@@ -63,7 +64,8 @@ class Prepared:
 def prepare(
     scene: Scene, environment: Environment, structure: str, yaw_deg: float, strength: float
 ) -> Prepared:
-    """Make, or find again, the tables and structures of a scene and the filters of an environment."""
+    """Make, or find again, the tables and structures of a scene and the filters of an
+    environment."""
     start = time.perf_counter()
     tables = _TABLES.find(scene, None)
     world = _WORLDS.find(scene, structure)

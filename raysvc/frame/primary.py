@@ -1,4 +1,5 @@
-"""From a camera to the points that its pixels show: by rasterising all of them, or by rays for a few."""
+"""From a camera to the points that its pixels show: by rasterising all of them, or by rays for a
+few."""
 
 import numpy as np
 
@@ -35,9 +36,7 @@ def rasterised(prepared: Prepared, camera: Camera, control: Control) -> tuple[Lo
     return pixel[by_pixel], triangle[by_pixel]
 
 
-def _covering(
-    prepared: Prepared, camera: Camera, found: Fragments, control: Control
-) -> Fragments:
+def _covering(prepared: Prepared, camera: Camera, found: Fragments, control: Control) -> Fragments:
     """Those fragments at which the material is not cut out or wholly transparent."""
 
     def covers(begin: int, end: int) -> Bools:
@@ -97,7 +96,9 @@ def _evaluated(
     _, directions = camera.rays(pixel)
     depth = hits.t * (directions @ camera.forward.astype(np.float32))
     metres = np.float32(camera.metres_per_pixel_at_unit_depth)
-    footprint = depth * metres if camera.projection == "perspective" else np.full_like(depth, metres)
+    footprint = (
+        depth * metres if camera.projection == "perspective" else np.full_like(depth, metres)
+    )
     surface = prepared.tables.surface(
         hits.triangle, hits.barycentric, directions, footprint, texture_filter
     )

@@ -1,8 +1,9 @@
 """Light that leaves points towards whoever looks at them.
 
-    emission + sun and punctual lights, shadowed
-             + the environment's diffuse lobe, occluded
-             + the specular lobe: what a mirror ray meets if the surface is glossy, else the environment
+emission + sun and punctual lights, shadowed
+         + the environment's diffuse lobe, occluded
+         + the specular lobe: what a mirror ray meets where the surface is glossy, else the
+           environment
 """
 
 import copy
@@ -14,6 +15,8 @@ from raysvc.frame.prepared import Prepared
 from raysvc.frame.settings import Settings
 from raysvc.frame.statistics import Ledger
 from raysvc.lighting.direct import arriving, reflected
+from raysvc.lighting.sun import SunLight
+from raysvc.scene import PunctualLight
 from raysvc.shading.surface import Surface
 from raysvc.tracing.occlusion import pattern, visibility
 from raysvc.tracing.reflection import mirror_rays, rays_from
@@ -29,14 +32,16 @@ LEAST_REFLECTION = 1.0 / 256.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reflection:
-    """What mirror rays met: radiance (N, 3), and how much (N,) of the specular lobe it stands for."""
+    """What mirror rays met: radiance (N, 3), and how much (N,) of the specular lobe it stands
+    for."""
 
     radiance: Floats
     share: Floats
 
 
 class Illumination:
-    """Everything that lights a frame's points; its methods take chunks and may run on many threads."""
+    """Everything that lights a frame's points; its methods take chunks and may run on many
+    threads."""
 
     def __init__(
         self,
@@ -51,10 +56,14 @@ class Illumination:
         self._radius_m, self._spread = occlusion_radius_m, spread
         self._pattern: Doubles = pattern(settings.occlusion_samples, settings.seed)
         sun = prepared.light.sun
-        self._lights = [*([sun] if sun is not None else []), *prepared.scene.lights]
+        self._lights: list[SunLight | PunctualLight] = [
+            *([sun] if sun is not None else []),
+            *prepared.scene.lights,
+        ]
 
     def share(self, number: int, of: int) -> "Illumination":
-        """Return this with one of so many parts of the occlusion pattern, for samples that are averaged."""
+        """Return this with one of so many parts of the occlusion pattern, for samples that are
+        averaged."""
         part = copy.copy(self)
         stride = max(1, min(of, len(self._pattern)))
         part._pattern = self._pattern[number % stride :: stride]
@@ -65,7 +74,7 @@ class Illumination:
         total = np.zeros((len(surface), 3), np.float32)
         for light in self._lights:
             to_light, distance, irradiance = arriving(light, surface.position)
-            radius_rad = getattr(light, "angular_radius_rad", 0.0)
+            radius_rad = light.angular_radius_rad if isinstance(light, SunLight) else 0.0
             radiance = reflected(surface, to_light, irradiance, radius_rad)
             if self._settings.shadows:
                 lit = np.flatnonzero(radiance.any(axis=1))
@@ -101,7 +110,7 @@ class Illumination:
         if not len(met):
             return Reflection(radiance, share)
         from_ = shiny[met]
-        # The footprint grows with the distance, and with the lobe's width where the mirror is rough.
+        # The footprint grows with the distance, more where the mirror is rough and its lobe wide.
         widening = self._spread + mirror.roughness[met] ** 2
         seen_footprint = footprint[from_] + hits.t[met] * widening
         seen = self._prepared.tables.surface(
@@ -133,14 +142,23 @@ class Illumination:
         visible = visible * surface.occlusion
         total = surface.emissive + direct
         total += light.diffuse(surface, samples) * interreflected(visible, surface.base_colour)
-        total += specular(surface, light.specular(surface, samples), visible, reflection, light.specular_albedo(surface))
-        return np.where(surface.unlit[:, None], surface.base_colour, total)
+        total += specular(
+            surface,
+            light.specular(surface, samples),
+            visible,
+            reflection,
+            light.specular_albedo(surface),
+        )
+        shown: Floats = np.where(surface.unlit[:, None], surface.base_colour, total)
+        return shown
 
 
 def glossiness(roughness: Floats) -> Floats:
-    """(N,) 1 for surfaces whose reflection is that of a mirror ray, 0 for matt ones, smooth between."""
+    """(N,) 1 for surfaces whose reflection is that of a mirror ray, 0 for matt ones, smooth
+    between."""
     x = np.clip((MATT - roughness) / (MATT - GLOSSY), 0.0, 1.0)
-    return (x * x * (3.0 - 2.0 * x)).astype(np.float32)
+    smooth: Floats = (x * x * (3.0 - 2.0 * x)).astype(np.float32)
+    return smooth
 
 
 def specular(
@@ -152,24 +170,30 @@ def specular(
 ) -> Floats:
     """(N, 3) radiance of the specular lobe.
 
-    A glossy surface whose mirror ray met nothing shows the environment whole; a matt one shows it as far as
-    ambient occlusion lets it (Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", section 4.10.2).
+    A glossy surface whose mirror ray met nothing shows the environment whole; a matt one shows it
+    as far as ambient occlusion lets it (Lagarde and de Rousiers 2014, "Moving Frostbite to PBR",
+    section 4.10.2).
     """
     cosine = np.einsum("nk,nk->n", surface.normal, surface.view)
     power = np.exp2(-16.0 * surface.roughness - 1.0)
     free = np.clip(np.power(np.maximum(cosine + visible, 0.0), power) - 1.0 + visible, 0.0, 1.0)
     gloss = glossiness(surface.roughness)
     open_ = np.maximum(gloss - reflection.share, 0.0) + (1.0 - gloss) * free
-    return environment * open_[:, None] + albedo * reflection.radiance * reflection.share[:, None]
+    traced = reflection.radiance * reflection.share[:, None]
+    radiance: Floats = environment * open_[:, None] + albedo * traced
+    return radiance
 
 
 def interreflected(visible: Floats, albedo: Floats) -> Floats:
-    """(N, 3) occlusion with the light that bounces back from the occluders, if they look like the surface.
+    """(N, 3) occlusion with the light that bounces back from the occluders, if they look like the
+    surface.
 
-    Jimenez et al. 2016, "Practical Real-Time Strategies for Accurate Indirect Occlusion", equation 18.
+    Jimenez et al. 2016, "Practical Real-Time Strategies for Accurate Indirect Occlusion", equation
+    18.
     """
     open_ = visible[:, None]
     a = 2.0404 * albedo - 0.3324
     b = -4.7951 * albedo + 0.6417
     c = 2.7552 * albedo + 0.6903
-    return np.maximum(open_, ((open_ * a + b) * open_ + c) * open_)
+    brighter: Floats = np.maximum(open_, ((open_ * a + b) * open_ + c) * open_)
+    return brighter

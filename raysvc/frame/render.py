@@ -45,10 +45,11 @@ def render(
     settings
         `Settings` or some of them
     control
-        to stop the work and hear of its progress; its threads and deadline give way to the settings'
+        to stop the work and hear of its progress; its threads and deadline give way to the
+        settings'
 
-    The same arguments give the same bytes, whatever the number of threads. Tables and structures of a scene
-    and environment are kept as long as those objects live, so a second frame is faster.
+    The same arguments give the same bytes, whatever the number of threads. Tables and structures
+    of a scene and environment are kept as long as those objects live, so a second frame is faster.
 
     Raises InvalidSetting, Unavailable, Cancelled, DeadlineExceeded.
     """
@@ -102,7 +103,8 @@ def render(
 
 @functools.cache
 def default_environment() -> Environment:
-    """Return the environment of frames that were given none; one object, so that its tables are kept."""
+    """Return the environment of frames that were given none; one object, so that its tables are
+    kept."""
     return BUILTIN_ENVIRONMENTS[DEFAULT_ENVIRONMENT]()
 
 

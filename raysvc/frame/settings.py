@@ -1,4 +1,5 @@
-"""What a caller may ask of a frame, with the defaults. Unknown keys and values that are not listed are errors."""
+"""What a caller may ask of a frame, with the defaults. Unknown keys and values that are not listed
+are errors."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeVar
@@ -22,60 +23,87 @@ class Settings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     mode: Literal["hybrid"] = Field(
-        "hybrid", description="`hybrid`: rasterise what the camera sees, trace reflections, shadows and occlusion."
+        "hybrid",
+        description="`hybrid`: rasterise what is seen, trace reflections, shadows and occlusion.",
     )
     structure: Literal["auto", "embree", "brute"] = Field(
-        "auto", description="What answers rays, by its name in the registry; `auto` is the fastest known."
+        "auto",
+        description="What answers rays, by its name in the registry; `auto` is the fastest known.",
     )
     bounces: int = Field(1, ge=0, le=8, description="How many times a reflection is followed.")
     texture_filter: Literal["mip", "bilinear", "nearest"] = Field(
-        "mip", description="How textures are read: `mip` interpolates between prefiltered sizes by the footprint."
+        "mip",
+        description="How textures are read: `mip` interpolates between prefiltered sizes.",
     )
     shadows: bool = Field(True, description="Trace shadows of the sun and of punctual lights.")
     occlusion_samples: int = Field(
         16, ge=0, le=256, description="Ambient occlusion rays per pixel; 0 leaves it out."
     )
     occlusion_radius: float | None = Field(
-        None, gt=0, description="How far occlusion reaches, in metres; by default a quarter of the scene's diagonal."
+        None,
+        gt=0,
+        description="How far occlusion reaches, in metres; a quarter of the diagonal by default.",
     )
     ibl: Literal["sat"] = Field(
-        "sat", description="How the environment is filtered: `sat` reads a summed-area table on the fly."
+        "sat",
+        description="How the environment is filtered: `sat` reads a summed-area table on the fly.",
     )
-    ibl_order: Literal[1] = Field(1, description="How often the table is integrated; 1 gives box filters.")
-    ibl_lobe_samples: int = Field(4, ge=1, le=64, description="Filtered samples per lobe of the environment.")
+    ibl_order: Literal[1] = Field(
+        1, description="How often the table is integrated; 1 gives box filters."
+    )
+    ibl_lobe_samples: int = Field(
+        4, ge=1, le=64, description="Filtered samples per lobe of the environment."
+    )
     lens: Literal["spread", "none"] = Field(
-        "spread", description="`spread` gives depth of field when the camera has an aperture; `none` never."
+        "spread",
+        description="`spread` gives depth of field when the camera has an aperture; `none` never.",
     )
     lens_order: Literal[1] = Field(1, description="Order of the spreading filter; 1 is a box.")
     aa: Literal["edges", "full", "none"] = Field(
         "edges", description="Extra samples on `edges` only, on the `full` picture, or `none`."
     )
-    aa_samples: int = Field(8, ge=1, le=64, description="Samples per pixel where anti-aliasing applies.")
+    aa_samples: int = Field(
+        8, ge=1, le=64, description="Samples per pixel where anti-aliasing applies."
+    )
     environment_yaw_deg: float = Field(
-        0.0, ge=-36000, le=36000, description="Turns the environment counter-clockwise seen from above."
+        0.0,
+        ge=-36000,
+        le=36000,
+        description="Turns the environment counter-clockwise seen from above.",
     )
-    environment_strength: float = Field(1.0, ge=0, le=1e6, description="Multiplies the environment's light.")
+    environment_strength: float = Field(
+        1.0, ge=0, le=1e6, description="Multiplies the environment's light."
+    )
     background: Literal["environment", "transparent"] | Colour = Field(
-        "environment", description="What is behind the scene: the environment, nothing (alpha 0), or linear RGB."
+        "environment",
+        description="What is behind the scene: the environment, nothing (alpha 0), or linear RGB.",
     )
-    exposure_stops: float = Field(0.0, ge=-32, le=32, description="Powers of two that multiply the picture.")
+    exposure_stops: float = Field(
+        0.0, ge=-32, le=32, description="Powers of two that multiply the picture."
+    )
     tone_map: Literal["pbr_neutral", "agx", "aces", "reinhard", "linear"] = Field(
         "pbr_neutral", description="How scene light becomes display light."
     )
     seed: int = Field(0, ge=0, lt=2**32, description="Seeds everything that is random.")
-    threads: int | None = Field(None, ge=1, le=256, description="Worker threads; all processors by default.")
-    deadline_s: float | None = Field(None, gt=0, le=86400, description="Give up after so many seconds.")
+    threads: int | None = Field(
+        None, ge=1, le=256, description="Worker threads; all processors by default."
+    )
+    deadline_s: float | None = Field(
+        None, gt=0, le=86400, description="Give up after so many seconds."
+    )
 
 
 def settings_from(values: Mapping[str, Any] | Settings | None) -> Settings:
-    """Return checked settings. Raises InvalidSetting naming the first field that is wrong, and its limit."""
+    """Return checked settings. Raises InvalidSetting naming the first field that is wrong, and its
+    limit."""
     if isinstance(values, Settings):
         return values
     return checked(Settings, values or {}, "settings")
 
 
 def checked(model: type[Model], values: Mapping[str, Any], where: str) -> Model:
-    """Validate a mapping against a model; its first fault becomes an InvalidSetting that names the field."""
+    """Validate a mapping against a model; its first fault becomes an InvalidSetting that names the
+    field."""
     try:
         return model.model_validate(dict(values))
     except ValidationError as error:

@@ -2,8 +2,8 @@
 
     rasterise -> surfaces -> shadows -> occlusion -> reflections -> light -> edges -> lens
 
-Every stage is timed by the caller. Within a stage, chunks of points run on the frame's threads; progress,
-cancelling and the deadline are looked at between them.
+Every stage is timed by the caller. Within a stage, chunks of points run on the frame's threads;
+progress, cancelling and the deadline are looked at between them.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ from raysvc.parallel import Control, for_chunks, map_chunks
 from raysvc.raster.edges import edge_mask
 from raysvc.scene import Camera
 from raysvc.tracing.occlusion import VisibilityPicture, tile_of
-from raysvc.types import Bools, Floats, Longs
+from raysvc.types import Bools, Doubles, Floats, Longs
 
 
 @dataclass(slots=True, eq=False)
@@ -56,7 +56,9 @@ class Draft:
         """H, W."""
         return self.camera.height, self.camera.width
 
-    def each(self, work: Callable[[int, int], Floats], stage: str, channels: tuple[int, ...]) -> Floats:
+    def each(
+        self, work: Callable[[int, int], Floats], stage: str, channels: tuple[int, ...]
+    ) -> Floats:
         """Join what `work` makes of chunks of the points: (N, *channels)."""
         parts = map_chunks(len(self.points.pixel), CHUNK, work, self.control, stage)
         return np.concatenate(parts) if parts else np.zeros((0, *channels), np.float32)
@@ -234,19 +236,21 @@ def _flagged(draft: Draft) -> Bools:
     return edge_mask(part.astype(np.int32), layers["depth"], layers["normal"])
 
 
-def sample_offsets(count: int) -> NDArray[np.float64]:
+def sample_offsets(count: int) -> Doubles:
     """(count, 2) places in a pixel, from its centre, evenly spread.
 
     The R2 sequence: Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences".
     """
     index = np.arange(1, count + 1)[:, None]
-    return (0.5 + index * np.array([0.7548776662466927, 0.5698402909980532])) % 1.0 - 0.5
+    offsets: Doubles = (
+        0.5 + index * np.array([0.7548776662466927, 0.5698402909980532])
+    ) % 1.0 - 0.5
+    return offsets
 
 
-def _sampled(
-    draft: Draft, illumination: Illumination, camera: Camera, pixel: Longs
-) -> Floats:
-    """Premultiplied RGBA (P, 4) of pixels (P,) seen through a camera that samples elsewhere in them."""
+def _sampled(draft: Draft, illumination: Illumination, camera: Camera, pixel: Longs) -> Floats:
+    """Premultiplied RGBA (P, 4) of pixels (P,) seen through a camera that samples elsewhere in
+    them."""
     draft.ledger.count("primary", len(pixel))
     points = traced(draft.prepared, camera, pixel, draft.settings.texture_filter)
     surface = points.surface
@@ -257,13 +261,12 @@ def _sampled(
         illumination.reflection(surface, points.footprint, draft.settings.bounces),
     )
     row = np.searchsorted(pixel, points.pixel)
-    return composite(
-        draft.prepared, camera, draft.settings, pixel, row, radiance, surface.alpha
-    )
+    return composite(draft.prepared, camera, draft.settings, pixel, row, radiance, surface.alpha)
 
 
 def _visible_at(draft: Draft, illumination: Illumination, points: Points) -> Floats:
-    """Ambient visibility of samples beside pixel centres: the neighbours' where they show the same surface."""
+    """Ambient visibility of samples beside pixel centres: the neighbours' where they show the same
+    surface."""
     visible = draft.visibility.near(points.pixel, points.depth, points.surface.normal)
     alone = np.flatnonzero(visible < 0)
     tile = tile_of(points.pixel[alone], draft.camera.width)

@@ -31,7 +31,8 @@ class Statistics:
     rays: dict[str, int]
     """Rays traced, by purpose."""
     build: dict[str, float | bool]
-    """`seconds` that the structures and tables took, and whether they were `cached` from an earlier frame."""
+    """`seconds` that the structures and tables took, and whether they were `cached` from an
+    earlier frame."""
     edge_fraction: float
     """Part of the pixels that were anti-aliased."""
     max_coc_px: float

@@ -16,33 +16,50 @@ Vector = tuple[float, float, float]
 Row = tuple[float, float, float, float]
 
 DEFAULT_VIEW = (0.45, 0.35, 1.0)
-"""From the scene towards a camera that was not given a place: a little right, a little above the front (+Z)."""
+"""From the scene towards a camera that was not given a place: a little right, a little above the
+front (+Z)."""
 DEFAULT_FOV_Y_DEG = 40.0
 
 
 class View(BaseModel):
-    """A camera as a caller describes it; anything may be left out, and the scene's bounds are then framed."""
+    """A camera as a caller describes it; anything may be left out, and the scene's bounds are then
+    framed."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     eye: Vector | None = Field(None, description="Where the camera is, in metres.")
-    target: Vector | None = Field(None, description="What it looks at; the middle of the scene by default.")
+    target: Vector | None = Field(
+        None, description="What it looks at; the middle of the scene by default."
+    )
     up: Vector = Field((0.0, 1.0, 0.0), description="What is up in the picture.")
     world_from_camera: tuple[Row, Row, Row, Row] | None = Field(
-        None, description="4x4 rigid transform, rows first, instead of eye, target and up; the camera looks down -Z."
+        None,
+        description="4x4 rigid transform, rows first, instead of eye, target and up.",
     )
-    gltf_camera: int | str | None = Field(None, description="A camera of the scene file, by number or name.")
-    fov_y_deg: float | None = Field(None, gt=0, lt=180, description="Vertical field of view; 40 by default.")
+    gltf_camera: int | str | None = Field(
+        None, description="A camera of the scene file, by number or name."
+    )
+    fov_y_deg: float | None = Field(
+        None, gt=0, lt=180, description="Vertical field of view; 40 by default."
+    )
     focal_length_mm: float | None = Field(None, gt=0, le=10000, description="Instead of fov_y_deg.")
     sensor_height_mm: float = Field(24.0, gt=0, le=1000, description="Goes with focal_length_mm.")
     width: int = Field(1280, ge=1, description="Pixels across.")
     height: int = Field(720, ge=1, description="Pixels down.")
-    aperture_radius: float | None = Field(None, ge=0, le=1e3, description="Radius of the lens in metres; 0 is sharp.")
-    f_number: float | None = Field(None, gt=0, le=1000, description="With focal_length_mm, instead of aperture_radius.")
-    focus_distance: float | None = Field(
-        None, gt=0, description="Distance along the view axis that is sharp, in metres; that of target by default."
+    aperture_radius: float | None = Field(
+        None, ge=0, le=1e3, description="Radius of the lens in metres; 0 is sharp."
     )
-    focus_point: Vector | None = Field(None, description="A point that is sharp, instead of focus_distance.")
+    f_number: float | None = Field(
+        None, gt=0, le=1000, description="With focal_length_mm, instead of aperture_radius."
+    )
+    focus_distance: float | None = Field(
+        None,
+        gt=0,
+        description="Distance along the view that is sharp, in metres; the target's by default.",
+    )
+    focus_point: Vector | None = Field(
+        None, description="A point that is sharp, instead of focus_distance."
+    )
 
 
 def camera_from(view: View, scene: Scene, limits: Limits = DEFAULT_LIMITS) -> Camera:
@@ -140,7 +157,8 @@ def _pose(view: View, scene: Scene, tan_half_fov_y: float) -> Doubles:
             raise InvalidSetting("must not be where the target is", field="camera.eye")
         return look_at(eye, target, up)
     away = np.array(DEFAULT_VIEW) / np.linalg.norm(DEFAULT_VIEW)
-    corners = np.stack(np.meshgrid(*bounds.T, indexing="ij"), axis=-1).reshape(8, 3)
+    seen = scene.positions[np.unique(scene.triangles)].astype(np.float64)
+    corners = seen if len(seen) else bounds
     tangents = (tan_half_fov_y * view.width / view.height, tan_half_fov_y)
     pose = look_at(target + away, target, up)
     pose[:3, 3] = target
@@ -168,7 +186,8 @@ def _aperture_radius(view: View) -> float:
 
 
 def _focus_distance(view: View, pose: Doubles, scene: Scene) -> float:
-    """Distance along the view axis that is sharp: as asked, else that of the target or of the bounds' middle."""
+    """Distance along the view axis that is sharp: as asked, else that of the target or of the
+    bounds' middle."""
     if view.focus_distance is not None:
         return view.focus_distance
     point = view.focus_point or view.target

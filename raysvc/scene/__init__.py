@@ -3,7 +3,8 @@
     Scene        triangles with attributes, materials, textures, lights, cameras
     Environment  radiance from every direction, as a lat-long map
 
-Loaders (`raysvc.loading`) and makers (`raysvc.builtin`) produce these; nothing below knows about files.
+Loaders (`raysvc.loading`) and makers (`raysvc.builtin`) produce these; nothing below knows about
+files.
 """
 
 from raysvc.scene.camera import Camera, SceneCamera

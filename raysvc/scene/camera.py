@@ -25,7 +25,8 @@ class SceneCamera:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Camera:
-    """A camera ready to use. Pixel (row, col) has its centre at (row + 0.5, col + 0.5), row 0 at the top."""
+    """A camera ready to use. Pixel (row, col) has its centre at (row + 0.5, col + 0.5), row 0 at
+    the top."""
 
     world_from_camera: Doubles
     """(4, 4) rigid: the camera looks along its -Z with +Y up."""
@@ -33,7 +34,8 @@ class Camera:
     height: int
     projection: Literal["perspective", "orthographic"] = "perspective"
     half_height: float = 0.36
-    """Perspective: tangent of half the vertical field of view. Orthographic: half the height in metres."""
+    """Perspective: tangent of half the vertical field of view. Orthographic: half the height in
+    metres."""
     aperture_radius: float = 0.0
     """Radius of the lens in metres; 0 is a pinhole."""
     focus_distance: float = 1.0
@@ -43,7 +45,8 @@ class Camera:
     """Where in the pixel a sample is, from the centre (x to the right, y down)."""
 
     def shifted(self, dx_px: float, dy_px: float) -> "Camera":
-        """Return the camera whose pixel centres lie (dx, dy) pixels to the right and below this one's."""
+        """Return the camera whose pixel centres lie (dx, dy) pixels to the right and below this
+        one's."""
         return replace(self, offset_px=(self.offset_px[0] + dx_px, self.offset_px[1] + dy_px))
 
     @property
@@ -77,7 +80,11 @@ class Camera:
         scale = self.metres_per_pixel_at_unit_depth
         x = (cols + 0.5 + self.offset_px[0] - 0.5 * self.width) * scale
         y = (0.5 * self.height - rows - 0.5 - self.offset_px[1]) * scale
-        right, up, forward = self.world_from_camera[:3, 0], self.world_from_camera[:3, 1], self.forward
+        right, up, forward = (
+            self.world_from_camera[:3, 0],
+            self.world_from_camera[:3, 1],
+            self.forward,
+        )
         across = x[:, None] * right + y[:, None] * up
         if self.projection == "orthographic":
             origins = self.eye + across

@@ -12,8 +12,9 @@ from raysvc.types import Floats
 class Environment:
     """Radiance from every direction, as a lat-long map.
 
-    Row 0 looks up (+Y), the last row down; the centre column is what is seen looking along -Z, and +X is to
-    its right. `radiance` is (H, W, 3) float32, linear Rec.709, finite and not negative, H and W >= 1.
+    Row 0 looks up (+Y), the last row down; the centre column is what is seen looking along -Z, and
+    +X is to its right. `radiance` is (H, W, 3) float32, linear Rec.709, finite and not negative, H
+    and W >= 1.
     """
 
     radiance: Floats

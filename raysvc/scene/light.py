@@ -11,8 +11,9 @@ Vector = tuple[float, float, float]
 class PunctualLight:
     """A directional, point or spot light in world space.
 
-    `intensity` is linear RGB: irradiance at a facing surface for a directional light, and for point and spot
-    lights radiant intensity, which falls with the square of the distance and ends smoothly at `range_m`.
+    `intensity` is linear RGB: irradiance at a facing surface for a directional light, and for
+    point and spot lights radiant intensity, which falls with the square of the distance and ends
+    smoothly at `range_m`.
     """
 
     kind: Literal["directional", "point", "spot"]

@@ -24,8 +24,8 @@ class TextureRef:
 class Material:
     """What a triangle is made of; colours are linear Rec.709. The defaults are glTF's.
 
-    Base colour and emissive textures are sRGB, the others linear. Roughness is the G and metalness the B
-    channel of `metallic_roughness_texture`; occlusion is R.
+    Base colour and emissive textures are sRGB, the others linear. Roughness is the G and metalness
+    the B channel of `metallic_roughness_texture`; occlusion is R.
     """
 
     name: str = ""

@@ -16,8 +16,8 @@ from raysvc.types import Doubles, Floats, Ints
 class Scene:
     """Triangles in world space (+Y up, metres), instances expanded; counter-clockwise is the front.
 
-    Construction checks shapes, dtypes, finiteness and every index, and makes the arrays read-only: kernels
-    rely on it. Raises InvalidScene.
+    Construction checks shapes, dtypes, finiteness and every index, and makes the arrays read-only:
+    kernels rely on it. Raises InvalidScene.
 
     Attributes
     ----------
@@ -26,10 +26,11 @@ class Scene:
     normals
         (V, 3) float32 unit shading normals
     tangents
-        (V, 4) float32, unit tangent and handedness (+1, -1) as in glTF; w = 0 where there is none, and the
-        shader then takes the triangle's own from its texture coordinates
+        (V, 4) float32, unit tangent and handedness (+1, -1) as in glTF; w = 0 where there is none,
+        and the shader then takes the triangle's own from its texture coordinates
     uv
-        (V, 2, 2) float32, [:, 0] is TEXCOORD_0 and [:, 1] TEXCOORD_1; v grows downwards in the texture
+        (V, 2, 2) float32, [:, 0] is TEXCOORD_0 and [:, 1] TEXCOORD_1; v grows downwards in the
+        texture
     colours
         (V, 4) float32 linear RGBA that multiply the base colour
     triangles
@@ -69,7 +70,7 @@ class Scene:
             array = getattr(self, name)
             if array.shape != shape or array.dtype != dtype:
                 raise InvalidScene(
-                    f"needs shape {shape} and {np.dtype(dtype)}, has {array.shape} and {array.dtype}",
+                    f"needs {np.dtype(dtype)} of shape {shape}, has {array.dtype} of {array.shape}",
                     field=name,
                 )
             if not array.flags.c_contiguous:
@@ -81,11 +82,16 @@ class Scene:
         _check_indices(self.material_of_triangle, len(self.materials), "material_of_triangle")
         for number, material in enumerate(self.materials):
             for ref in material.texture_refs():
-                if ref is not None and not (0 <= ref.texture < len(self.textures) and ref.uv_set in (0, 1)):
-                    raise InvalidScene("refers to a texture that is not there", f"materials[{number}]")
+                if ref is not None and not (
+                    0 <= ref.texture < len(self.textures) and ref.uv_set in (0, 1)
+                ):
+                    raise InvalidScene(
+                        "refers to a texture that is not there", f"materials[{number}]"
+                    )
 
     def bounds(self) -> Doubles:
-        """(2, 3) float64 least and greatest corner of the triangles; a unit box about 0 if there are none."""
+        """(2, 3) float64 least and greatest corner of the triangles; a unit box about 0 if there
+        are none."""
         if not len(self.triangles):
             return np.array([[-0.5] * 3, [0.5] * 3])
         used = self.positions[self.triangles.reshape(-1)]

@@ -15,8 +15,8 @@ class Texture:
     Attributes
     ----------
     texels
-        (H, W, 4) uint8 RGBA, row 0 at v = 0, which is the top as glTF has it. Whether the colour is sRGB
-        is a matter of the slot that reads it, not of the texture.
+        (H, W, 4) uint8 RGBA, row 0 at v = 0, which is the top as glTF has it. Whether the
+        colour is sRGB is a matter of the slot that reads it, not of the texture.
     wrap_u, wrap_v
         what lies outside 0..1
     nearest

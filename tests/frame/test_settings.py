@@ -1,0 +1,102 @@
+"""Settings: checked by name, and every one of them does something."""
+
+import numpy as np
+import pytest
+
+import raysvc
+from raysvc.errors import InvalidSetting
+from raysvc.frame.settings import Settings, settings_from
+from tests.frame.subjects import VIEW, still_life
+
+
+@pytest.mark.parametrize(
+    ("values", "field"),
+    [
+        ({"bouncez": 1}, "settings.bouncez"),
+        ({"bounces": 9}, "settings.bounces"),
+        ({"bounces": -1}, "settings.bounces"),
+        ({"lens": "gather"}, "settings.lens"),
+        ({"mode": "reference"}, "settings.mode"),
+        ({"exposure_stops": float("nan")}, "settings.exposure_stops"),
+        ({"environment_strength": float("inf")}, "settings.environment_strength"),
+        ({"background": [1.0, 2.0]}, "settings.background"),
+        ({"background": "blue"}, "settings.background"),
+        ({"threads": 0}, "settings.threads"),
+        ({"occlusion_radius": 0}, "settings.occlusion_radius"),
+    ],
+)
+def test_a_wrong_setting_is_refused_by_name(values: dict, field: str) -> None:
+    with pytest.raises(InvalidSetting) as caught:
+        settings_from(values)
+    assert caught.value.field == field
+
+
+def test_every_default_is_what_the_specification_says_or_nearest_to_it() -> None:
+    settings = Settings()
+    assert (settings.bounces, settings.occlusion_samples, settings.aa_samples) == (1, 16, 8)
+    assert (settings.aa, settings.lens, settings.ibl, settings.tone_map) == (
+        "edges",
+        "spread",
+        "sat",
+        "pbr_neutral",
+    )
+
+
+# What each setting changes in the still life. Settings with one value have nothing to change.
+CHANGES: dict[str, object] = {
+    "bounces": 0,
+    "texture_filter": "nearest",
+    "shadows": False,
+    "occlusion_samples": 0,
+    "occlusion_radius": 0.1,
+    "ibl_lobe_samples": 1,
+    "lens": "none",
+    "aa": "none",
+    "aa_samples": 2,
+    "environment_yaw_deg": 90.0,
+    "environment_strength": 2.0,
+    "background": [0.0, 0.0, 1.0],
+    "seed": 7,
+}
+DISPLAYED: dict[str, object] = {"exposure_stops": 1.0, "tone_map": "linear"}
+UNCHANGED: dict[str, object] = {"threads": 1, "structure": "embree"}
+SINGLE_VALUED = {"mode", "ibl", "ibl_order", "lens_order"}
+TESTED_ELSEWHERE = {"deadline_s"}
+
+
+def test_the_tables_name_every_setting() -> None:
+    named = {*CHANGES, *DISPLAYED, *UNCHANGED} | SINGLE_VALUED | TESTED_ELSEWHERE
+    assert named == set(Settings.model_fields)
+
+
+@pytest.fixture(scope="module")
+def plain() -> raysvc.Frame:
+    return raysvc.render(still_life(), camera=VIEW | {"aperture_radius": 0.1})
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_setting_changes_the_picture(name: str, plain: raysvc.Frame) -> None:
+    frame = raysvc.render(
+        still_life(), camera=VIEW | {"aperture_radius": 0.1}, settings={name: CHANGES[name]}
+    )
+    assert not np.array_equal(frame.layers["beauty"], plain.layers["beauty"])
+    assert np.isfinite(frame.layers["beauty"]).all()
+
+
+@pytest.mark.parametrize("name", DISPLAYED)
+def test_a_display_setting_changes_only_what_is_displayed(name: str, plain: raysvc.Frame) -> None:
+    frame = raysvc.render(
+        still_life(), camera=VIEW | {"aperture_radius": 0.1}, settings={name: DISPLAYED[name]}
+    )
+    assert np.array_equal(frame.layers["beauty"], plain.layers["beauty"])
+    assert not np.array_equal(frame.display(), plain.display())
+
+
+@pytest.mark.parametrize("name", UNCHANGED)
+def test_how_the_work_is_done_changes_no_byte(name: str, plain: raysvc.Frame) -> None:
+    frame = raysvc.render(
+        still_life(), camera=VIEW | {"aperture_radius": 0.1}, settings={name: UNCHANGED[name]}
+    )
+    assert frame.encode("exr") == plain.encode("exr")
+    expected = {"threads": 1, "structure": "embree"}[name]
+    assert getattr(frame.statistics, name) == expected
