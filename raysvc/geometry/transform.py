@@ -7,6 +7,9 @@ from raysvc.types import Doubles
 
 def unit(vector: Doubles) -> Doubles:
     """Return vector(s) (..., 3) scaled to length 1; zero vectors stay zero."""
+    # Squares of very short or long vectors leave the range of doubles.
+    greatest = np.abs(vector).max(axis=-1, keepdims=True)
+    vector = vector / np.where(greatest > 0, greatest, 1.0)
     length = np.linalg.norm(vector, axis=-1, keepdims=True)
     return vector / np.where(length > 0, length, 1.0)
 
@@ -17,8 +20,8 @@ def look_at(eye: Doubles, target: Doubles, up: Doubles) -> Doubles:
     When `up` is along the view, another axis takes its place. `eye` and `target` must differ.
     """
     back = unit(np.asarray(eye, np.float64) - target)
-    right = np.cross(up, back)
-    if np.linalg.norm(right) < 1e-9 * max(1.0, float(np.linalg.norm(up))):
+    right = np.cross(unit(np.asarray(up, np.float64)), back)
+    if np.linalg.norm(right) < 1e-9:
         right = np.cross([0.0, 0.0, 1.0] if abs(back[2]) < 0.9 else [0.0, 1.0, 0.0], back)
     right = unit(right)
     pose = np.eye(4)
