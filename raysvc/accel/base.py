@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from raysvc.accel.report import BuildReport, Counters, Query
 from raysvc.errors import InvalidInput
 from raysvc.geometry.triangle_kernels import hits_on_triangles
 from raysvc.types import Bools, Floats, Ints
@@ -57,26 +58,34 @@ class Hits:
     barycentric: Floats
 
 
-@dataclass(frozen=True, slots=True)
-class BuildReport:
-    """What building cost; a number that cannot be seen from outside is None."""
-
-    triangles: int
-    seconds: float
-    nodes: int | None = None
-    tree_mib: float | None = None
-
-
 class Accelerator(Protocol):
-    """Answers two questions about a fixed set of triangles, from as many threads as ask."""
+    """Answers questions about one immutable set of triangles, from many threads at once.
+
+    All structures but Embree agree to the bit: where several triangles are equally near, the one of
+    the lowest number is the first.
+    """
 
     report: BuildReport
+
+    @property
+    def state_bytes(self) -> int | None:
+        """What the traversal of one ray keeps, apart from the ray; None where it cannot be seen."""
+
+    @property
+    def refits(self) -> bool:
+        """Does `refitted` keep the tree and move its boxes, or build anew?"""
 
     def nearest_triangle(self, rays: Rays) -> Ints:
         """(R,) int32: the first triangle along each ray within 0..t_max, or -1."""
 
     def occluded(self, rays: Rays) -> Bools:
         """(R,) bool: is there any triangle along the ray within 0..t_max?"""
+
+    def counted(self, rays: Rays, query: Query) -> Counters | None:
+        """Ask again and say what it took; None where it cannot be seen."""
+
+    def refitted(self, positions: Floats) -> "Accelerator":
+        """Return a structure over the same triangles with vertices moved to positions (V, 3)."""
 
 
 class Builder(Protocol):

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from raysvc.accel.base import Accelerator, Builder, Triangles
 from raysvc.accel.brute import Brute, BruteParams
+from raysvc.accel.bvh import Bvh, BvhParams
 from raysvc.accel.embree import Embree, EmbreeParams
 from raysvc.errors import InvalidSetting, Unavailable
 
@@ -36,11 +37,12 @@ class Entry:
 STRUCTURES: Final[Mapping[str, Entry]] = MappingProxyType(
     {
         "embree": Entry(Embree, EmbreeParams, "Intel Embree through embreex", requires="embreex"),
+        "bvh": Entry(Bvh, BvhParams, "two-wide hierarchy of boxes by binned SAH"),
         "brute": Entry(Brute, BruteParams, "tests every triangle; the oracle, for small scenes"),
     }
 )
 
-FASTEST_FIRST: Final = ("embree", "brute")
+FASTEST_FIRST: Final = ("embree", "bvh", "brute")
 """The order in which `auto` chooses, by the benchmark."""
 
 

@@ -26,7 +26,7 @@ class Settings(BaseModel):
         "hybrid",
         description="`hybrid`: rasterise what is seen, trace reflections, shadows and occlusion.",
     )
-    structure: Literal["auto", "embree", "brute"] = Field(
+    structure: Literal["auto", "embree", "bvh", "brute"] = Field(
         "auto",
         description="What answers rays, by its name in the registry; `auto` is the fastest known.",
     )

@@ -91,35 +91,3 @@ def hits_on_triangles(
         t[r] = distance
         barycentric[r, 0] = u
         barycentric[r, 1] = v
-
-
-@kernel
-def all_pairs_nearest(
-    origins: Floats,
-    directions: Floats,
-    t_max: Floats,
-    positions: Floats,
-    triangles: Ints,
-    triangle: Ints,
-) -> None:
-    """Fill triangle (R,) with the nearest triangle that each ray meets at 0 <= t <= t_max, else -1.
-
-    Tests every triangle; the lowest index wins a tie. A ray in a triangle's plane does not meet it.
-    """
-    for r in range(len(triangle)):
-        best: float = np.float64(t_max[r])
-        triangle[r] = -1
-        o, d = vec3(origins, r), vec3(directions, r)
-        for f in range(len(triangles)):
-            t, u, v = intersect_plane(
-                o,
-                d,
-                vec3(positions, triangles[f, 0]),
-                vec3(positions, triangles[f, 1]),
-                vec3(positions, triangles[f, 2]),
-            )
-            closer = t < best or (t == best and triangle[r] < 0)
-            inside = u >= -ON_EDGE and v >= -ON_EDGE and u + v <= 1.0 + ON_EDGE
-            if closer and inside and 0.0 <= t < np.inf:
-                best = t
-                triangle[r] = f

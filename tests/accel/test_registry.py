@@ -49,6 +49,6 @@ def test_auto_takes_the_fastest_that_this_machine_has(monkeypatch):
     assert choose("auto") == next(n for n in FASTEST_FIRST if STRUCTURES[n].why_not() is None)
     missing = Entry(STRUCTURES["embree"].build, BruteParams, "", requires="no_such_package")
     monkeypatch.setattr(registry, "STRUCTURES", {**STRUCTURES, "embree": missing})
-    assert choose("auto") == "brute"
+    assert choose("auto") == "bvh"
     with pytest.raises(Unavailable, match="no_such_package"):
         choose("embree")

@@ -1,0 +1,113 @@
+"""A hierarchy of boxes, two to a node, built by the surface area heuristic and traversed with a
+stack.
+"""
+
+import time
+from typing import Final
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from raysvc.accel import bvh_kernels
+from raysvc.accel.base import Rays, Triangles
+from raysvc.accel.binary_tree import BinaryTree, sah_tree
+from raysvc.accel.bvh_kernels import LEAF, NODE_WORDS, BvhArrays
+from raysvc.accel.corner_kernels import TRIANGLE_BYTES
+from raysvc.accel.queries import Queries, QueryKernels
+from raysvc.accel.report import Counters, Query
+from raysvc.accel.sah_kernels import MAX_DEPTH
+from raysvc.types import Bools, Floats, Ints
+
+
+class BvhParams(BaseModel):
+    """How the hierarchy is built."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    bins: int = Field(
+        16, ge=4, le=64, description="Places per axis at which a split is considered."
+    )
+    max_leaf: int = Field(8, ge=1, le=LEAF - 1, description="Most triangles that a leaf may hold.")
+    traversal_cost: float = Field(
+        4.0, ge=0, le=100, description="Cost of a node's step, in the heuristic."
+    )
+    intersection_cost: float = Field(
+        1.0, gt=0, le=100, description="Cost of a triangle's test, in the heuristic."
+    )
+
+
+KERNELS: Final = QueryKernels(
+    bvh_kernels.nearest,
+    bvh_kernels.occluded,
+    bvh_kernels.counted_nearest,
+    bvh_kernels.counted_occluded,
+)
+
+
+class Bvh:
+    """A step fetches an inner node and tests both children's boxes; the nearer is visited first."""
+
+    state_bytes = 8 * (MAX_DEPTH + 2)
+    """What one ray's traversal keeps apart from the ray: the stack's links and distances."""
+    refits = True
+
+    def __init__(self, triangles: Triangles, params: BvhParams) -> None:
+        start = time.perf_counter()
+        tree = sah_tree(
+            triangles.positions,
+            triangles.indices,
+            params.bins,
+            params.max_leaf,
+            params.traversal_cost,
+            params.intersection_cost,
+        )
+        self._lay_out(triangles, tree, start)
+
+    def _lay_out(self, triangles: Triangles, tree: BinaryTree, start: float) -> None:
+        """Take a finished tree; building began at `start` of the performance counter."""
+        self._triangles = triangles
+        self.tree = tree
+        inner = max(len(tree.left) // 2, 1)
+        nodes = aligned(NODE_WORDS * inner)
+        root = bvh_kernels.lay_out(
+            tree.boxes,
+            tree.left,
+            tree.first,
+            tree.count,
+            np.empty_like(tree.left),
+            nodes,
+            nodes.view(np.int32),
+        )
+        arrays = BvhArrays(nodes, nodes.view(np.int32), tree.corners, tree.order, int(root))
+        self._queries = Queries(KERNELS, arrays, 4 * NODE_WORDS, TRIANGLE_BYTES)
+        seconds = time.perf_counter() - start
+        self.report = tree.report(len(triangles.indices), seconds, nodes.nbytes, tree.order.nbytes)
+
+    def nearest_triangle(self, rays: Rays) -> Ints:
+        """(R,) int32: the first triangle along each ray, the lowest number where several tie, or
+        -1.
+        """
+        return self._queries.nearest_triangle(rays)
+
+    def occluded(self, rays: Rays) -> Bools:
+        """(R,) bool: is there any triangle along the ray?"""
+        return self._queries.occluded(rays)
+
+    def counted(self, rays: Rays, query: Query) -> Counters:
+        """Answer as nearest_triangle or occluded do, and say what it took."""
+        return self._queries.counted(rays, query)
+
+    def refitted(self, positions: Floats) -> "Bvh":
+        """Return the same hierarchy with the boxes of moved vertices, positions (V, 3)."""
+        start = time.perf_counter()
+        moved = Bvh.__new__(Bvh)
+        triangles = Triangles(positions, self._triangles.indices)
+        moved._lay_out(triangles, self.tree.refitted(positions, triangles.indices), start)
+        return moved
+
+
+def aligned(words: int) -> Floats:
+    """(words,) float32, zeros, that begin on a cache line."""
+    room = np.zeros(words + 16, np.float32)
+    skip = (-room.ctypes.data % 64) // 4
+    return room[skip : skip + words]
