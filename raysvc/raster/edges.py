@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from raysvc.types import Bools, Floats, Ints
+from raysvc.types import Bools, Doubles, Floats, Ints
 
 SAME_NORMAL = 0.9
 """Neighbours whose normals' cosine is less are on different faces."""
 DEPTH_BEND = 0.01
-"""Second difference of depth, as a part of the depth, above which it is a step."""
+"""Second difference of depth and its reciprocal, as parts of these, above which there is a step."""
 
 
 def edge_mask(part: Ints, depth: Floats, normal: Floats) -> Bools:
@@ -35,11 +35,20 @@ def edge_mask(part: Ints, depth: Floats, normal: Floats) -> Bools:
 
 
 def _depth_steps(depth: Floats, axis: int) -> Bools:
-    """Pixels whose depth is not near the mean of their two neighbours' along an axis."""
-    finite = np.where(np.isfinite(depth), depth, 0.0).astype(np.float64)
-    z = np.moveaxis(finite, axis, 0)
-    bend = np.abs(z[:-2] + z[2:] - 2.0 * z[1:-1]) > DEPTH_BEND * z[1:-1]
-    seen = (z[:-2] > 0) & (z[1:-1] > 0) & (z[2:] > 0)
+    """Pixels whose depth is not near the mean of their two neighbours' along an axis.
+
+    On a plane the depth is linear in the picture (orthographic), or its reciprocal is (perspective);
+    at a step neither is.
+    """
+    seen = np.isfinite(depth) & (depth > 0)
+    z = np.moveaxis(np.where(seen, depth, 1.0).astype(np.float64), axis, 0)
+    known = np.moveaxis(seen, axis, 0)
     found = np.zeros(z.shape, np.bool_)
-    found[1:-1] = bend & seen
+    found[1:-1] = _bends(z) & _bends(1.0 / z) & known[:-2] & known[1:-1] & known[2:]
     return np.moveaxis(found, 0, axis)
+
+
+def _bends(z: Doubles) -> Bools:
+    """Whether rows of (H, W), but the first and last, are away from the mean of their neighbours."""
+    bends: Bools = np.abs(z[:-2] + z[2:] - 2.0 * z[1:-1]) > DEPTH_BEND * z[1:-1]
+    return bends
