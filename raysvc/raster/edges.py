@@ -37,7 +37,7 @@ def edge_mask(part: Ints, depth: Floats, normal: Floats) -> Bools:
 def _depth_steps(depth: Floats, axis: int) -> Bools:
     """Pixels whose depth is not near the mean of their two neighbours' along an axis.
 
-    On a plane the depth is linear in the picture (orthographic), or its reciprocal is (perspective);
+    On a plane the depth is linear in the picture (orthographic) or its reciprocal is (perspective);
     at a step neither is.
     """
     seen = np.isfinite(depth) & (depth > 0)
@@ -49,6 +49,6 @@ def _depth_steps(depth: Floats, axis: int) -> Bools:
 
 
 def _bends(z: Doubles) -> Bools:
-    """Whether rows of (H, W), but the first and last, are away from the mean of their neighbours."""
+    """Whether rows of (H, W), save the first and last, are not near their neighbours' mean."""
     bends: Bools = np.abs(z[:-2] + z[2:] - 2.0 * z[1:-1]) > DEPTH_BEND * z[1:-1]
     return bends
