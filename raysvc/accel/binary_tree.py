@@ -40,7 +40,9 @@ class BinaryTree:
     def report(
         self, triangles: int, seconds: float, node_bytes: int, index_bytes: int
     ) -> BuildReport:
-        """Count and measure the tree, for a structure whose nodes and indices take so many bytes."""
+        """Count and measure the tree, for a structure whose nodes and indices take so
+        many bytes.
+        """
         figures = np.zeros(5, np.float64)
         depth = np.empty(len(self.left), np.int32)
         figures_of(self.boxes, self.left, self.count, depth, figures)
@@ -85,7 +87,9 @@ def sah_tree(
     traversal_cost: float,
     intersection_cost: float,
 ) -> BinaryTree:
-    """Build by the binned surface area heuristic over triangles indices (F, 3) of positions (V, 3)."""
+    """Build by the binned surface area heuristic over triangles indices (F, 3) of
+    positions (V, 3).
+    """
     triangles = len(indices)
     if triangles == 0:
         return EMPTY

@@ -51,37 +51,31 @@ class Bvh:
     """What one ray's traversal keeps apart from the ray: the stack's links and distances."""
     refits = True
 
-    def __init__(self, triangles: Triangles, params: BvhParams) -> None:
+    def __init__(
+        self, triangles: Triangles, params: BvhParams, tree: BinaryTree | None = None
+    ) -> None:
+        """Build, or take a tree that has been built with these parameters."""
         start = time.perf_counter()
-        tree = sah_tree(
-            triangles.positions,
-            triangles.indices,
-            params.bins,
-            params.max_leaf,
-            params.traversal_cost,
-            params.intersection_cost,
-        )
-        self._lay_out(triangles, tree, start)
-
-    def _lay_out(self, triangles: Triangles, tree: BinaryTree, start: float) -> None:
-        """Take a finished tree; building began at `start` of the performance counter."""
+        self.tree = tree or tree_of(triangles, params)
         self._triangles = triangles
-        self.tree = tree
-        inner = max(len(tree.left) // 2, 1)
-        nodes = aligned(NODE_WORDS * inner)
-        root = bvh_kernels.lay_out(
-            tree.boxes,
-            tree.left,
-            tree.first,
-            tree.count,
-            np.empty_like(tree.left),
-            nodes,
-            nodes.view(np.int32),
+        self._params = params
+        nodes = aligned(NODE_WORDS * max(len(self.tree.left) // 2, 1))
+        links = nodes.view(np.int32)
+        boxes, left, first, count = (
+            self.tree.boxes,
+            self.tree.left,
+            self.tree.first,
+            self.tree.count,
         )
-        arrays = BvhArrays(nodes, nodes.view(np.int32), tree.corners, tree.order, int(root))
+        root = bvh_kernels.lay_out(boxes, left, first, count, np.empty_like(left), nodes, links)
+        arrays = BvhArrays(nodes, links, self.tree.corners, self.tree.order, int(root))
         self._queries = Queries(KERNELS, arrays, 4 * NODE_WORDS, TRIANGLE_BYTES)
-        seconds = time.perf_counter() - start
-        self.report = tree.report(len(triangles.indices), seconds, nodes.nbytes, tree.order.nbytes)
+        self.report = self.tree.report(
+            len(triangles.indices),
+            time.perf_counter() - start,
+            nodes.nbytes,
+            self.tree.order.nbytes,
+        )
 
     def nearest_triangle(self, rays: Rays) -> Ints:
         """(R,) int32: the first triangle along each ray, the lowest number where several tie, or
@@ -99,11 +93,20 @@ class Bvh:
 
     def refitted(self, positions: Floats) -> "Bvh":
         """Return the same hierarchy with the boxes of moved vertices, positions (V, 3)."""
-        start = time.perf_counter()
-        moved = Bvh.__new__(Bvh)
-        triangles = Triangles(positions, self._triangles.indices)
-        moved._lay_out(triangles, self.tree.refitted(positions, triangles.indices), start)
-        return moved
+        moved = Triangles(positions, self._triangles.indices)
+        return Bvh(moved, self._params, self.tree.refitted(positions, moved.indices))
+
+
+def tree_of(triangles: Triangles, params: BvhParams) -> BinaryTree:
+    """Build the tree that the parameters ask for."""
+    return sah_tree(
+        triangles.positions,
+        triangles.indices,
+        params.bins,
+        params.max_leaf,
+        params.traversal_cost,
+        params.intersection_cost,
+    )
 
 
 def aligned(words: int) -> Floats:

@@ -178,7 +178,9 @@ def counted_occluded(
 def lay_out(
     boxes: Floats, left: Ints, first: Ints, count: Ints, number: Ints, nodes: Floats, links: Ints
 ) -> int:
-    """Fill nodes and links from a binary tree, number (N,) being scratch; return the root's link."""
+    """Fill nodes and links from a binary tree, number (N,) being scratch; return the
+    root's link.
+    """
     inner = 0
     for node in range(len(left)):
         if left[node] >= 0:

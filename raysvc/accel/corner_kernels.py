@@ -11,7 +11,9 @@ TRIANGLE_BYTES = 36
 
 @kernel
 def gather_corners(positions: Floats, indices: Ints, order: Ints, corners: Floats) -> None:
-    """Fill corners (9 N,) with the nine coordinates of each triangle of order (N,), in that order."""
+    """Fill corners (9 N,) with the nine coordinates of each triangle of order (N,), in
+    that order.
+    """
     for n in range(len(order)):
         for corner in range(3):
             vertex = indices[order[n], corner]

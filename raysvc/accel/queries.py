@@ -1,4 +1,6 @@
-"""Asking a structure's kernels: they all take rays, a tuple of arrays, and places for the answer."""
+"""Asking a structure's kernels: they all take rays, a tuple of arrays, and places for the
+answer.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 from raysvc.accel.base import Accelerator, Builder, Triangles
 from raysvc.accel.brute import Brute, BruteParams
 from raysvc.accel.bvh import Bvh, BvhParams
+from raysvc.accel.bvh_stackless import BvhStackless, BvhStacklessParams
 from raysvc.accel.embree import Embree, EmbreeParams
 from raysvc.errors import InvalidSetting, Unavailable
 
@@ -38,11 +39,14 @@ STRUCTURES: Final[Mapping[str, Entry]] = MappingProxyType(
     {
         "embree": Entry(Embree, EmbreeParams, "Intel Embree through embreex", requires="embreex"),
         "bvh": Entry(Bvh, BvhParams, "two-wide hierarchy of boxes by binned SAH"),
+        "bvh_stackless": Entry(
+            BvhStackless, BvhStacklessParams, "the same hierarchy, traversed by links, no stack"
+        ),
         "brute": Entry(Brute, BruteParams, "tests every triangle; the oracle, for small scenes"),
     }
 )
 
-FASTEST_FIRST: Final = ("embree", "bvh", "brute")
+FASTEST_FIRST: Final = ("embree", "bvh", "bvh_stackless", "brute")
 """The order in which `auto` chooses, by the benchmark."""
 
 
