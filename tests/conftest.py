@@ -14,9 +14,7 @@ def rng() -> np.random.Generator:
 
 def _assets_dir() -> Path | None:
     chosen = os.environ.get("RAYSVC_ASSETS")
-    folder = (
-        Path(chosen) if chosen else Path(__file__).resolve().parents[2] / "shared" / "assets"
-    )
+    folder = Path(chosen) if chosen else Path(__file__).resolve().parents[2] / "shared" / "assets"
     return folder if (folder / "INDEX.tsv").is_file() else None
 
 
@@ -29,3 +27,11 @@ def assets() -> Path:
     if folder is None:
         pytest.skip("no assets beside the checkout; set RAYSVC_ASSETS")
     return folder
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--regenerate-golden",
+        action="store_true",
+        help="write the golden pictures anew instead of comparing with them",
+    )
