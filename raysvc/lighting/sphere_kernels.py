@@ -6,38 +6,52 @@ from raysvc.imaging.sat_kernels import periodic_box_rgb
 from raysvc.jit import inlined, kernel
 from raysvc.types import Doubles, Floats
 
-BLEND_BEGIN = 0.55
-BLEND_END = 0.82
-"""Between these |y| a lookup moves from the cylinder around Y to the one around X."""
+SHARP_BAND = (0.68, 0.73)
+SOFT_BAND = (0.55, 0.82)
+"""Between these |y| a lookup moves from the cylinder around Y to the one around X. A box's shape
+differs between the two the more, the larger it is."""
 
 MAX_SINE = 0.9
 """Of half the height of the largest box."""
-
 
 SOFT_LEVELS = 4
 SOFT_SIDE = 0.1
 """In radians: side of the box with whose variance level 0 is blurred; doubles with each level."""
 SOFT_FROM = 0.12
-"""Side from which boxes read level 0."""
-LEVEL_BLEND = 0.3
-"""Part of an octave in which two levels are blended."""
+"""Side from which boxes read level 0; doubles with each level."""
+LEVEL_BLEND = 0.6
+"""Part of a level's range of solid angles after which it is blended into the next one."""
 
 
 @inlined
-def y_share(y: float) -> float:
-    """Share of the cylinder around Y in lookups at height y of the unit sphere: smooth, 1 to 0."""
-    t = min(max((BLEND_END - abs(y)) / (BLEND_END - BLEND_BEGIN), 0.0), 1.0)
-    return t * t * (3.0 - 2.0 * t)
+def _turn(across: float, ahead: float) -> float:
+    """Angle of atan2(across, ahead) in turns, -0.5..0.5, to 2e-6: less than 1/200 of a texel.
+
+    Polynomial of Abramowitz and Stegun 4.4.49, on one octant.
+    """
+    wide, far = abs(across), abs(ahead)
+    least, most = min(wide, far), max(wide, far, 1e-30)
+    t = least / most
+    t2 = t * t
+    angle = -0.01172120 * t2 + 0.05265332
+    angle = angle * t2 - 0.11643287
+    angle = angle * t2 + 0.19354346
+    angle = angle * t2 - 0.33262347
+    angle = (angle * t2 + 0.99997726) * t * (0.5 / math.pi)
+    if wide > far:
+        angle = 0.25 - angle
+    if ahead < 0.0:
+        angle = 0.5 - angle
+    return -angle if across < 0.0 else angle
 
 
 @inlined
 def _cylinder_mean(
-    tables: Doubles, which: int, along: float, across: float, ahead: float, solid_angle: float
+    tables: Doubles, which: int, along: float, turn: float, solid_angle: float
 ) -> tuple[float, float, float]:
     """Mean radiance over a box of a cylinder, square on the sphere, never smaller than a texel.
 
-    Takes the direction as its parts along the axis, to the right of the centre column and towards
-    it.
+    Takes the direction as its part along the axis and its turn to the right of the centre column.
     """
     rows, columns = tables.shape[1] - 1, tables.shape[2] - 1
     # A square of half height h has 4 sin^2 h steradians, exactly while it clears the axis
@@ -46,48 +60,49 @@ def _cylinder_mean(
     radius = math.sqrt(max(1.0 - along * along, 0.0))
     high = 1.0 if along >= cos_h else along * cos_h + radius * sin_h
     low = -1.0 if along <= -cos_h else along * cos_h - radius * sin_h
-    turn = solid_angle / (high - low)
+    wide = solid_angle / (high - low) * (0.5 / math.pi)
 
     half_rows = 0.5 * max((high - low) * 0.5 * rows, 1.0)
     middle = (0.5 - 0.25 * (high + low)) * rows
     middle = min(max(middle, half_rows), rows - half_rows)
-    wide = min(max(turn / (2.0 * math.pi) * columns, 1.0), columns * 1.0)
-    centre = (math.atan2(across, ahead) / (2.0 * math.pi) + 0.5) * columns
+    wide = min(max(wide * columns, 1.0), columns * 1.0)
+    left = (turn + 0.5) * columns - 0.5 * wide
     red, green, blue = periodic_box_rgb(
-        tables, which, middle - half_rows, middle + half_rows, centre - 0.5 * wide, wide
+        tables, which, middle - half_rows, middle + half_rows, left, wide
     )
-    scale = 1.0 / (2.0 * half_rows * wide)
+    scale = 0.5 / (half_rows * wide)
     return red * scale, green * scale, blue * scale
 
 
 @inlined
-def box_mean(
-    tables: Doubles, level: int, x: float, y: float, z: float, solid_angle: float
+def _levels_mean(
+    sharp: Doubles,
+    soft: Doubles,
+    cylinder: int,
+    along: float,
+    turn: float,
+    level: int,
+    part: float,
+    solid_angle: float,
 ) -> tuple[float, float, float]:
-    """Mean RGB over a box of `solid_angle` steradians around the unit direction (x, y, z).
+    """Mean over a box of a level's cylinder (-1 is sharp), blended by `part` into the next level's.
 
-    `tables` (2 L, H+1, W+1, 3) holds for each of L levels the cylinder around Y, then around X.
+    A level's own blur is part of the box: variances add.
     """
-    share = y_share(y)
-    if share >= 1.0:
-        return _cylinder_mean(tables, 2 * level, y, x, -z, solid_angle)
-    r, g, b = _cylinder_mean(tables, 2 * level + 1, x, y, -z, solid_angle)
-    if share <= 0.0:
-        return r, g, b
-    red, green, blue = _cylinder_mean(tables, 2 * level, y, x, -z, solid_angle)
-    rest = 1.0 - share
-    return red * share + r * rest, green * share + g * rest, blue * share + b * rest
-
-
-@inlined
-def _level_mean(
-    sharp: Doubles, soft: Doubles, level: int, x: float, y: float, z: float, solid_angle: float
-) -> tuple[float, float, float]:
-    """Mean RGB over a box of a level; -1 is the sharp one. The level's own blur is part of it."""
+    red, green, blue = 0.0, 0.0, 0.0
     if level < 0:
-        return box_mean(sharp, 0, x, y, z, solid_angle)
-    side = SOFT_SIDE * 2.0**level
-    return box_mean(soft, level, x, y, z, max(solid_angle - side * side, 0.25 * solid_angle))
+        red, green, blue = _cylinder_mean(sharp, cylinder, along, turn, solid_angle)
+    else:
+        side = SOFT_SIDE * (1 << level)
+        rest = max(solid_angle - side * side, 0.25 * solid_angle)
+        red, green, blue = _cylinder_mean(soft, 2 * level + cylinder, along, turn, rest)
+    if part <= 0.0:
+        return red, green, blue
+    side = SOFT_SIDE * (1 << (level + 1))
+    rest = max(solid_angle - side * side, 0.25 * solid_angle)
+    r, g, b = _cylinder_mean(soft, 2 * level + 2 + cylinder, along, turn, rest)
+    red, green, blue = red + (r - red) * part, green + (g - green) * part, blue + (b - blue) * part
+    return red, green, blue
 
 
 @inlined
@@ -97,25 +112,31 @@ def mean_radiance(
     """Mean RGB over about `solid_angle` steradians around the unit direction (x, y, z).
 
     Boxes have hard edges, which show where a light is much brighter than its surroundings. Large
-    boxes therefore read tables of a softened map, whose blur is 0.4 to 0.8 of their
-    side, and are that much smaller: variances add. Between levels they are blended.
+    boxes therefore read tables of a softened map, whose blur is 0.4 to 0.8 of their side, and are
+    that much smaller. `sharp` and `soft` are those of `sphere_table.SphereTable`.
     """
-    place = 0.5 * math.log2(solid_angle / (SOFT_FROM * SOFT_FROM))
-    if place <= -LEVEL_BLEND:
-        return box_mean(sharp, 0, x, y, z, solid_angle)
-    level = min(math.floor(place), SOFT_LEVELS - 1)
-    part = (place - level - (1.0 - LEVEL_BLEND)) / LEVEL_BLEND
-    red, green, blue = _level_mean(sharp, soft, level, x, y, z, solid_angle)
-    if part <= 0.0 or level == SOFT_LEVELS - 1:
-        return red, green, blue
-    r, g, b = _level_mean(sharp, soft, level + 1, x, y, z, solid_angle)
-    rest = 1.0 - part
-    return red * rest + r * part, green * rest + g * part, blue * rest + b * part
+    level, begin = -1, 0.25 * SOFT_FROM * SOFT_FROM
+    while level < SOFT_LEVELS - 1 and solid_angle >= 4.0 * begin:
+        level, begin = level + 1, 4.0 * begin
+    part = 0.0
+    if level < SOFT_LEVELS - 1:
+        part = (solid_angle / (4.0 * begin) - LEVEL_BLEND) / (1.0 - LEVEL_BLEND)
+
+    band_begin, band_end = SHARP_BAND if level < 0 and part <= 0.0 else SOFT_BAND
+    share = min(max((band_end - abs(y)) / (band_end - band_begin), 0.0), 1.0)
+    share = share * share * (3.0 - 2.0 * share)
+    red, green, blue = 0.0, 0.0, 0.0
+    if share > 0.0:
+        red, green, blue = _levels_mean(sharp, soft, 0, y, _turn(x, -z), level, part, solid_angle)
+    if share < 1.0:
+        r, g, b = _levels_mean(sharp, soft, 1, x, _turn(y, -z), level, part, solid_angle)
+        red, green, blue = r + (red - r) * share, g + (green - g) * share, b + (blue - b) * share
+    return red, green, blue
 
 
 @kernel
-def soften(tables: Doubles, level: int, solid_angle: float, images: Doubles) -> None:
-    """Write the box means of a level of `tables` to `images` (2, rows, columns, 3).
+def soften(sharp: Doubles, solid_angle: float, images: Doubles) -> None:
+    """Write box means of `sharp` (2, H+1, W+1, 3) to `images` (2, rows, columns, 3).
 
     One image for each cylinder, at its texels' centres.
     """
@@ -124,14 +145,23 @@ def soften(tables: Doubles, level: int, solid_angle: float, images: Doubles) -> 
         along = 1.0 - 2.0 * (i + 0.5) / rows
         radius = math.sqrt(1.0 - along * along)
         for j in range(columns):
-            azimuth = ((j + 0.5) / columns - 0.5) * 2.0 * math.pi
-            across, z = radius * math.sin(azimuth), -radius * math.cos(azimuth)
+            turn = (j + 0.5) / columns - 0.5
+            across = radius * math.sin(2.0 * math.pi * turn)
+            ahead = radius * math.cos(2.0 * math.pi * turn)
+            begin, end = SOFT_BAND
             for k in range(2):
-                x, y = (across, along) if k == 0 else (along, across)
-                red, green, blue = box_mean(tables, level, x, y, z, solid_angle)
-                images[k, i, j, 0] = red
-                images[k, i, j, 1] = green
-                images[k, i, j, 2] = blue
+                # The other cylinder's axis lies across this one's
+                y = along if k == 0 else across
+                share = min(max((end - abs(y)) / (end - begin), 0.0), 1.0)
+                share = share * share * (3.0 - 2.0 * share)
+                if k == 1:
+                    share = 1.0 - share
+                other = _turn(along, ahead)
+                r, g, b = _cylinder_mean(sharp, k, along, turn, solid_angle)
+                red, green, blue = _cylinder_mean(sharp, 1 - k, across, other, solid_angle)
+                images[k, i, j, 0] = red + (r - red) * share
+                images[k, i, j, 1] = green + (g - green) * share
+                images[k, i, j, 2] = blue + (b - blue) * share
 
 
 @inlined

@@ -70,7 +70,7 @@ def _softened(sharp: Doubles, side: float) -> Doubles:
     images = np.empty((2, SOFT_COLUMNS // 2, SOFT_COLUMNS, 3))
     tables = sharp
     for _ in range(2):
-        soften(tables, 0, 0.5 * side * side, images)
+        soften(tables, 0.5 * side * side, images)
         tables = np.stack([summed_area_table(image) for image in images])
     return tables
 

@@ -6,26 +6,23 @@ import numpy as np
 import pytest
 
 from raysvc.jit import kernel
-from raysvc.lighting.sphere_kernels import box_mean, map_radiances, mean_radiance
+from raysvc.lighting.sphere_kernels import map_radiances, mean_radiance
 from raysvc.lighting.sphere_table import SphereTable
 from tests.lighting.surfaces import random_directions
 from tests.oracles.lobe import map_directions
 
 
 @kernel
-def look(sharp, soft, directions, solid_angle, softened, result):
+def look(sharp, soft, directions, solid_angle, result):
     for i in range(len(directions)):
         x, y, z = directions[i, 0], directions[i, 1], directions[i, 2]
-        if softened:
-            r, g, b = mean_radiance(sharp, soft, x, y, z, solid_angle)
-        else:
-            r, g, b = box_mean(sharp, 0, x, y, z, solid_angle)
+        r, g, b = mean_radiance(sharp, soft, x, y, z, solid_angle)
         result[i, 0], result[i, 1], result[i, 2] = r, g, b
 
 
-def means(table, directions, solid_angle, softened=True):
+def means(table, directions, solid_angle):
     result = np.empty((len(directions), 3))
-    look(table.sharp, table.soft, directions, solid_angle, softened, result)
+    look(table.sharp, table.soft, directions, solid_angle, result)
     return result
 
 

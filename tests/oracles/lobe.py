@@ -26,7 +26,7 @@ def outgoing(radiance, normal, view, base, metallic, roughness, dielectric_f0=0.
     return (diffuse * arriving).sum(0), (specular * arriving).sum(0)
 
 
-def albedo(nov, base, metallic, roughness, dielectric_f0=0.04, steps=500):
+def albedo(nov, base, metallic, roughness, dielectric_f0=0.04, steps=1000):
     """Diffuse and specular directional albedo (3,), (3,), over a grid warped into the lobe."""
     normal = np.array([0.0, 0.0, 1.0])
     view = np.array([np.sqrt(1 - nov**2), 0.0, nov])
