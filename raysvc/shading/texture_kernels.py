@@ -3,6 +3,8 @@
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from raysvc.jit import inlined, kernel
 from raysvc.types import Bytes, Floats, Ints, Longs
 
@@ -10,6 +12,9 @@ Vec2 = tuple[float, float]
 Vec4 = tuple[float, float, float, float]
 NEAREST, BILINEAR, MIP = 0, 1, 2
 MAX_LEVELS = 16
+REPEAT, CLAMP, MIRROR = 0, 1, 2
+FAR = 1e6
+"""Texture coordinates beyond this are brought near first."""
 
 
 class TextureTable(NamedTuple):
@@ -74,12 +79,25 @@ def _code(value: float, thresholds: Floats) -> int:
 @inlined
 def wrapped(index: int, size: int, wrap: int) -> int:
     """Texel index within 0..size-1 by the wrap mode (repeat 0, clamp 1, mirror 2)."""
-    if wrap == 1:
+    if wrap == CLAMP:
         return min(max(index, 0), size - 1)
-    if wrap == 2:
+    if wrap == MIRROR:
         folded = index % (2 * size)
         return folded if folded < size else 2 * size - 1 - folded
     return index % size
+
+
+@inlined
+def _brought_near(u: float, wrap: int) -> float:
+    """Coordinate that reads the same texel as one far outside the texture; 0 for inf and NaN.
+
+    There the whole part only costs precision, and would overflow an integer.
+    """
+    if not abs(u) < np.inf:
+        return 0.0
+    if wrap == CLAMP:
+        return min(max(u, -1.0), 2.0)
+    return u - 2.0 * math.floor(u / 2.0)
 
 
 @inlined
@@ -120,9 +138,8 @@ def _plus_level(
     width, height = textures.size[texture, level, 0], textures.size[texture, level, 1]
     wrap_u, wrap_v = textures.sampler[texture, 0], textures.sampler[texture, 1]
     u, v = uv
-    # Far outside the texture the whole part only costs precision, and would overflow an integer.
-    if abs(u) > 1e6 or abs(v) > 1e6:
-        u, v = u - 2.0 * math.floor(u / 2.0), v - 2.0 * math.floor(v / 2.0)
+    if not (abs(u) <= FAR and abs(v) <= FAR):
+        u, v = _brought_near(u, wrap_u), _brought_near(v, wrap_v)
     x, y = u * width, v * height
     if nearest:
         col = wrapped(math.floor(x), width, wrap_u)
@@ -155,7 +172,7 @@ def sample(
     The filter is NEAREST, BILINEAR, or MIP: trilinear between the two sizes whose texels are next
     to the footprint's. A magnified texture whose sampler says nearest is read so by every filter.
     """
-    magnified = texels_per_pixel <= 1.0
+    magnified = not texels_per_pixel > 1.0
     nearest = texture_filter == NEAREST or (textures.sampler[texture, 2] == 1 and magnified)
     level = 0.0
     if texture_filter == MIP and not magnified:

@@ -7,10 +7,17 @@ taken in linear light where the texture holds colours.
 import numpy as np
 
 from raysvc.scene import Scene, Texture
-from raysvc.shading.texture_kernels import MAX_LEVELS, TextureTable, halve
+from raysvc.shading.texture_kernels import (
+    CLAMP,
+    MAX_LEVELS,
+    MIRROR,
+    REPEAT,
+    TextureTable,
+    halve,
+)
 from raysvc.types import Bytes, Floats
 
-WRAPS = {"repeat": 0, "clamp": 1, "mirror": 2}
+WRAPS = {"repeat": REPEAT, "clamp": CLAMP, "mirror": MIRROR}
 
 
 def srgb_decoding() -> Floats:
