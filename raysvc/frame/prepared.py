@@ -6,6 +6,7 @@ import weakref
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from raysvc.frame.settings import Settings
 from raysvc.lighting.image_light import ImageLight
 from raysvc.scene import Environment, Scene
 from raysvc.shading.scene_tables import SceneTables
@@ -61,22 +62,22 @@ class Prepared:
     """Nothing had to be made."""
 
 
-def prepare(
-    scene: Scene, environment: Environment, structure: str, yaw_deg: float, strength: float
-) -> Prepared:
+def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepared:
     """Make, or find again, the tables and structures of a scene and the filters of an
     environment."""
     start = time.perf_counter()
+    structure, trees = settings.structure, settings.trees
+    yaw_deg, strength = settings.environment_yaw_deg, settings.environment_strength
     tables = _TABLES.find(scene, None)
-    world = _WORLDS.find(scene, structure)
+    world = _WORLDS.find(scene, (structure, trees))
     light = _LIGHTS.find(environment, (yaw_deg, strength))
     cached = tables is not None and world is not None and light is not None
     if tables is None:
         tables = SceneTables.of(scene)
         _TABLES.keep(scene, None, tables)
     if world is None:
-        world = World(scene, tables, structure)
-        _WORLDS.keep(scene, structure, world)
+        world = World(scene, tables, structure, trees)
+        _WORLDS.keep(scene, (structure, trees), world)
     if light is None:
         light = ImageLight(environment, yaw_deg, strength)
         _LIGHTS.keep(environment, (yaw_deg, strength), light)

@@ -63,13 +63,7 @@ def render(
     ledger = Ledger()
     with ledger.stage("prepare"):
         control.progress("prepare", 0.0)
-        prepared = prepare(
-            scene,
-            environment,
-            settings.structure,
-            settings.environment_yaw_deg,
-            settings.environment_strength,
-        )
+        prepared = prepare(scene, environment, settings)
     perspective = resolved.projection == "perspective"
     illumination = Illumination(
         prepared,

@@ -30,6 +30,9 @@ class Settings(BaseModel):
         "auto",
         description="What answers rays, by its name in the registry; `auto` is the fastest known.",
     )
+    trees: Literal["one", "per_material"] = Field(
+        "one", description="One structure over everything, or one per material: the same picture."
+    )
     bounces: int = Field(1, ge=0, le=8, description="How many times a reflection is followed.")
     texture_filter: Literal["mip", "bilinear", "nearest"] = Field(
         "mip",

@@ -1,8 +1,11 @@
 """Every ray's questions about one scene: what is first, and how much light comes through."""
 
+from typing import Literal
+
 import numpy as np
 
-from raysvc.accel.base import Hits, Rays, Triangles, hits_on
+from raysvc.accel.base import Accelerator, Hits, Rays, Triangles, hits_on
+from raysvc.accel.forest import Forest
 from raysvc.accel.registry import build, choose
 from raysvc.scene import Scene
 from raysvc.shading.scene_tables import SceneTables
@@ -23,14 +26,21 @@ class World:
     others, usually nearly all, are then asked once and with the cheapest question.
     """
 
-    def __init__(self, scene: Scene, tables: SceneTables, structure: str) -> None:
-        """Build `structure`, a name of the registry or `auto`."""
+    def __init__(
+        self,
+        scene: Scene,
+        tables: SceneTables,
+        structure: str,
+        trees: Literal["one", "per_material"] = "one",
+    ) -> None:
+        """Build `structure`, a name of the registry or `auto`, as one tree or one per material."""
         self.structure = choose(structure)
         self._tables = tables
         self._triangles = Triangles(scene.positions, scene.triangles)
-        self._solid = _Part(self._triangles, tables.solid, self.structure)
+        group = scene.material_of_triangle if trees == "per_material" else None
+        self._solid = _Part(self._triangles, tables.solid, self.structure, group)
         holed = ~tables.solid
-        self._holed = _Part(self._triangles, holed, self.structure) if holed.any() else None
+        self._holed = _Part(self._triangles, holed, self.structure, group) if holed.any() else None
         parts = [self._solid] if self._holed is None else [self._solid, self._holed]
         self.build_seconds = sum(part.tree.report.seconds for part in parts)
 
@@ -154,10 +164,16 @@ def _go_on(active: Longs, begin: Floats, t: Floats, onward: Bools) -> Longs:
 class _Part:
     """A structure over some of a scene's triangles, answering with their numbers in the scene."""
 
-    def __init__(self, triangles: Triangles, chosen: Bools, structure: str) -> None:
+    def __init__(
+        self, triangles: Triangles, chosen: Bools, structure: str, group: Ints | None
+    ) -> None:
+        """With `group` (F,), one tree for each of its numbers."""
         self._number = np.flatnonzero(chosen).astype(np.int32)
         self._is_all = len(self._number) == len(triangles.indices)
-        self.tree = build(structure, Triangles(triangles.positions, triangles.indices[chosen]))
+        some = Triangles(triangles.positions, triangles.indices[chosen])
+        self.tree: Accelerator = (
+            build(structure, some) if group is None else Forest(structure, some, group[chosen])
+        )
 
     def nearest_triangle(self, rays: Rays) -> Ints:
         """(R,) int32: number in the scene of the nearest triangle, or -1."""
