@@ -9,14 +9,13 @@ from raysvc.accel.forest import Forest
 from raysvc.accel.registry import build, choose
 from raysvc.scene import Scene
 from raysvc.shading.scene_tables import SceneTables
+from raysvc.tracing.march import March
 from raysvc.types import Bools, Floats, Ints, Longs
 
 MAX_HOLES = 64
 """Triangles with holes that one ray may pass through; light behind more of them is lost."""
 HALF_SEEN = 0.5
 """Reflections show blended surfaces that cover at least this much, and see through others."""
-STEP_OF_T = 1e-4
-"""A ray goes on behind a hole a little beyond it, by this part of the way it has come."""
 
 
 class World:
@@ -50,19 +49,17 @@ class World:
         if self._holed is None:
             return hits
         t, triangle, barycentric = hits.t, hits.triangle, hits.barycentric
-        limit = np.minimum(rays.t_max, t)
-        begin = np.zeros(len(rays), np.float32)
-        active = np.arange(len(rays))
+        march = March(rays, np.minimum(rays.t_max, t), np.arange(len(rays)))
         for _ in range(MAX_HOLES):
-            found, alpha = self._next_holed(rays, active, begin, limit)
+            found, alpha = self._next_holed(march)
             met = found.triangle >= 0
             stops = met & (alpha >= HALF_SEEN)
-            at = active[stops]
-            t[at] = begin[at] + found.t[stops]
+            at = march.active[stops]
+            t[at] = march.distance(found)[stops]
             triangle[at] = found.triangle[stops]
             barycentric[at] = found.barycentric[stops]
-            active = _go_on(active, begin, found.t, met & ~stops)
-            if not len(active):
+            march.go_on(found, met & ~stops)
+            if not len(march.active):
                 break
         return Hits(t, triangle, barycentric)
 
@@ -76,25 +73,19 @@ class World:
         (N,) number of the ray of each hit, and the N hits, in order along each ray
         """
         found: list[tuple[Longs, Hits]] = []
-        begin = np.zeros(len(rays), np.float32)
-        active = np.arange(len(rays))
+        march = March(rays, rays.t_max, np.arange(len(rays)))
         for _ in range(MAX_HOLES):
-            some = Rays(
-                rays.origins[active] + rays.directions[active] * begin[active, None],
-                rays.directions[active],
-                rays.t_max[active] - begin[active],
-            )
+            some = march.ahead()
             hits = self._nearest_of_all(some)
-            met = hits.triangle >= 0
-            seen = met & ~self._from_behind(some.directions, hits.triangle)
             alpha = self._tables.alpha(hits.triangle, hits.barycentric)
-            kept = seen & (alpha > 0)
-            whole = Hits(
-                begin[active[kept]] + hits.t[kept], hits.triangle[kept], hits.barycentric[kept]
-            )
-            found.append((active[kept], whole))
-            active = _go_on(active, begin, hits.t, met & ~(kept & (alpha >= 1)))
-            if not len(active):
+            kept = np.flatnonzero(march.is_new(hits) & (alpha > 0))
+            kept = kept[~self._from_behind(some.directions[kept], hits.triangle[kept])]
+            whole = Hits(march.distance(hits)[kept], hits.triangle[kept], hits.barycentric[kept])
+            found.append((march.active[kept], whole))
+            onward = hits.triangle >= 0
+            onward[kept[alpha[kept] >= 1]] = False
+            march.go_on(hits, onward)
+            if not len(march.active):
                 break
         ray = np.concatenate([part for part, _ in found])
         order = np.argsort(ray, kind="stable")
@@ -129,36 +120,22 @@ class World:
         through = np.where(self._solid.tree.occluded(rays), 0.0, 1.0).astype(np.float32)
         if self._holed is None:
             return through
-        begin = np.zeros(len(rays), np.float32)
-        active = np.flatnonzero(through > 0)
+        march = March(rays, rays.t_max, np.flatnonzero(through > 0))
         for _ in range(MAX_HOLES):
-            found, alpha = self._next_holed(rays, active, begin, rays.t_max)
-            met = found.triangle >= 0
-            through[active[met]] *= 1.0 - alpha[met]
-            active = _go_on(active, begin, found.t, met & (through[active] > 0))
-            if not len(active):
+            found, alpha = self._next_holed(march)
+            active, new = march.active, march.is_new(found)
+            through[active[new]] *= 1.0 - alpha[new]
+            march.go_on(found, (found.triangle >= 0) & (through[active] > 0))
+            if not len(march.active):
                 break
         return through
 
-    def _next_holed(
-        self, rays: Rays, active: Longs, begin: Floats, limit: Floats
-    ) -> tuple[Hits, Floats]:
-        """Nearest holed triangle of active rays beyond `begin`, t from there, and its coverage."""
+    def _next_holed(self, march: March) -> tuple[Hits, Floats]:
+        """Nearest holed triangle of marching rays, with t from where they are, and its coverage."""
         assert self._holed is not None
-        some = Rays(
-            rays.origins[active] + rays.directions[active] * begin[active, None],
-            rays.directions[active],
-            limit[active] - begin[active],
-        )
+        some = march.ahead()
         hits = hits_on(self._triangles, self._holed.nearest_triangle(some), some)
         return hits, self._tables.alpha(hits.triangle, hits.barycentric)
-
-
-def _go_on(active: Longs, begin: Floats, t: Floats, onward: Bools) -> Longs:
-    """Move `begin` of the rays that go on behind what they met, in place, and return those rays."""
-    rest = active[onward]
-    begin[rest] = (begin[rest] + t[onward]) * np.float32(1 + STEP_OF_T)
-    return rest
 
 
 class _Part:
