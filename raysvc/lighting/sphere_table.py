@@ -3,8 +3,7 @@
 On Lambert's cylinder (azimuth across, the axis' coordinate down) every texel covers the same solid
 angle, so the table needs no weights and a box needs no sine or arc cosine. Near its axis a
 cylinder's boxes are slivers; there the other cylinder takes over, through a band in which the two
-are blended. No lookup comes nearer than 40 degrees to the axis of the cylinder that it uses, and
-neither seam nor pole is special.
+are blended: none is used nearer than 35 degrees to its axis. Neither seam nor pole is special.
 """
 
 import math
