@@ -1,0 +1,32 @@
+"""Surfaces that are points with normals, and nothing else."""
+
+import numpy as np
+
+from raysvc.shading.surface import Surface
+
+
+def points(position, normal, *, geometric_normal=None, view=None):
+    """Grey points; `geometric_normal` and `view` are the normal unless given."""
+    position = np.atleast_2d(np.array(position, np.float32))
+    count = len(position)
+
+    def vectors(values):
+        return np.array(np.broadcast_to(np.asarray(values, np.float32), (count, 3)))
+
+    def numbers(value):
+        return np.full(count, value, np.float32)
+
+    return Surface(
+        position=position,
+        geometric_normal=vectors(normal if geometric_normal is None else geometric_normal),
+        normal=vectors(normal),
+        view=vectors(normal if view is None else view),
+        base_colour=vectors((0.5, 0.5, 0.5)),
+        alpha=numbers(1),
+        metallic=numbers(0),
+        roughness=numbers(0.5),
+        dielectric_f0=numbers(0.04),
+        emissive=vectors((0, 0, 0)),
+        occlusion=numbers(1),
+        unlit=np.zeros(count, np.bool_),
+    )
