@@ -5,8 +5,10 @@ cache notices a change of the kernel's file but not of a file it calls into, so 
 named after a hash of all of raysvc's sources: an edit or an upgrade never runs stale code.
 """
 
+import contextlib
 import hashlib
 import os
+import stat
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -30,17 +32,7 @@ def source_hash() -> str:
 
 def kernel_cache_dir() -> Path:
     """Folder for compiled kernels: RAYSVC_CACHE, else the user's cache, else a temporary one."""
-    chosen = os.environ.get("RAYSVC_CACHE")
-    homes = (
-        [Path(chosen)]
-        if chosen
-        else [
-            Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "raysvc",
-            Path(tempfile.gettempdir())
-            / f"raysvc-{os.getuid() if hasattr(os, 'getuid') else 'user'}",
-        ]
-    )
-    for home in homes:
+    for home in _homes():
         folder = home / "kernels" / source_hash()
         try:
             folder.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -49,6 +41,32 @@ def kernel_cache_dir() -> Path:
         if os.access(folder, os.W_OK):
             return folder
     return Path(tempfile.mkdtemp(prefix="raysvc-kernels-"))
+
+
+def _homes() -> list[Path]:
+    """Folders that may hold kernels, the best first."""
+    chosen = os.environ.get("RAYSVC_CACHE")
+    if chosen:
+        return [Path(chosen)]
+    homes = []
+    with contextlib.suppress(RuntimeError):  # a user without a home
+        homes.append(Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "raysvc")
+    if hasattr(os, "getuid"):
+        shared = Path(tempfile.gettempdir()) / f"raysvc-{os.getuid()}"
+        if _is_ours(shared):
+            homes.append(shared)
+    return homes
+
+
+def _is_ours(folder: Path) -> bool:
+    """Make a folder, and say whether nobody else can put code for us to run there."""
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        status = folder.lstat()
+    except OSError:
+        return False
+    private = stat.S_ISDIR(status.st_mode) and not status.st_mode & 0o022
+    return private and status.st_uid == os.getuid()
 
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
