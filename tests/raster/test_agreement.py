@@ -16,7 +16,7 @@ LEAST = 0.999
 
 
 def agreement(scene, view, structure="auto"):
-    """Part of the pixels that show the triangle which a ray meets, where all that is seen is solid."""
+    """Parts of the pixels that show the triangle which a ray meets, and that show any at all."""
     tables = SceneTables.of(scene)
     seen = raster(scene, view, double_sided=tables.double_sided).visible()
     pixel = np.arange(WIDTH * HEIGHT)
