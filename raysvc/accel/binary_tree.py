@@ -12,37 +12,24 @@ from raysvc.types import Floats, Ints
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class BinaryTree:
-    """N nodes over M references to triangles; the root is node 0 and a parent precedes its
-    children.
+class TreeShape:
+    """N nodes over M references to triangles: what trees of all kinds have, and are measured by.
 
-    boxes (6 N,) float32: least, then greatest x, y, z. left (N,) int32: the left child, which the
-    right one follows, or -1 for a leaf. axis (N,) int32: along which an inner node is split. first
-    and count (N,) int32: a leaf's triangles in order (M,) int32. corners (9 M,) float32: their
-    coordinates.
+    The root is node 0, and a parent precedes its children. boxes (6 N,) float32: least, then
+    greatest x, y, z. left (N,) int32: the left child, which the right one follows, or -1 for a
+    leaf. first and count (N,) int32: a leaf's part of order (M,) int32, numbers of triangles.
     """
 
     boxes: Floats
     left: Ints
-    axis: Ints
     first: Ints
     count: Ints
     order: Ints
-    corners: Floats
-
-    def refitted(self, positions: Floats, indices: Ints) -> "BinaryTree":
-        """Return the same tree with boxes and corners of moved vertices."""
-        corners = corners_of(positions, indices, self.order)
-        boxes = np.empty_like(self.boxes)
-        refit_boxes(corners, self.left, self.first, self.count, boxes)
-        return replace(self, boxes=boxes, corners=corners)
 
     def report(
         self, triangles: int, seconds: float, node_bytes: int, index_bytes: int
     ) -> BuildReport:
-        """Count and measure the tree, for a structure whose nodes and indices take so
-        many bytes.
-        """
+        """Count and measure, for a structure whose nodes and indices take so many bytes."""
         figures = np.zeros(5, np.float64)
         depth = np.empty(len(self.left), np.int32)
         figures_of(self.boxes, self.left, self.count, depth, figures)
@@ -65,6 +52,25 @@ class BinaryTree:
             tree_mib=(node_bytes + index_bytes) / 2**20,
             sah_cost=sah_cost,
         )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BinaryTree(TreeShape):
+    """A hierarchy of boxes, in which every triangle is once.
+
+    axis (N,) int32: along which an inner node is split. corners (9 F,) float32: the coordinates of
+    the triangles in the order of the leaves.
+    """
+
+    axis: Ints
+    corners: Floats
+
+    def refitted(self, positions: Floats, indices: Ints) -> "BinaryTree":
+        """Return the same tree with boxes and corners of moved vertices."""
+        corners = corners_of(positions, indices, self.order)
+        boxes = np.empty_like(self.boxes)
+        refit_boxes(corners, self.left, self.first, self.count, boxes)
+        return replace(self, boxes=boxes, corners=corners)
 
 
 EMPTY = BinaryTree(
@@ -113,11 +119,11 @@ def sah_tree(
         count,
     )
     return BinaryTree(
-        boxes[: 6 * nodes].copy(),
-        left[:nodes].copy(),
-        axis[:nodes].copy(),
-        first[:nodes].copy(),
-        count[:nodes].copy(),
-        order,
-        corners_of(positions, indices, order),
+        boxes=boxes[: 6 * nodes].copy(),
+        left=left[:nodes].copy(),
+        first=first[:nodes].copy(),
+        count=count[:nodes].copy(),
+        order=order,
+        axis=axis[:nodes].copy(),
+        corners=corners_of(positions, indices, order),
     )

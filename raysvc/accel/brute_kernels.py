@@ -1,5 +1,7 @@
 """Every ray against every triangle."""
 
+import numpy as np
+
 from raysvc.geometry.watertight_kernels import distance_to, shear_of
 from raysvc.jit import kernel
 from raysvc.types import Floats, Ints
@@ -19,10 +21,10 @@ def all_pairs(
     """
     for r in range(len(triangle)):
         x, y, z, sx, sy, sz = shear_of(
-            float(directions[r, 0]), float(directions[r, 1]), float(directions[r, 2])
+            np.float64(directions[r, 0]), np.float64(directions[r, 1]), np.float64(directions[r, 2])
         )
-        ox, oy, oz = float(origins[r, x]), float(origins[r, y]), float(origins[r, z])
-        best = float(t_max[r])
+        ox, oy, oz = np.float64(origins[r, x]), np.float64(origins[r, y]), np.float64(origins[r, z])
+        best: float = np.float64(t_max[r])
         triangle[r] = -1
         for f in range(len(corners) // 9):
             t = distance_to(corners, 9 * f, x, y, z, sx, sy, sz, ox, oy, oz)
@@ -38,10 +40,10 @@ def any_of_all(
     """Fill triangle (R,) with the lowest that meets the ray at 0 <= t <= t_max, and tests (R,)."""
     for r in range(len(triangle)):
         x, y, z, sx, sy, sz = shear_of(
-            float(directions[r, 0]), float(directions[r, 1]), float(directions[r, 2])
+            np.float64(directions[r, 0]), np.float64(directions[r, 1]), np.float64(directions[r, 2])
         )
-        ox, oy, oz = float(origins[r, x]), float(origins[r, y]), float(origins[r, z])
-        reach = float(t_max[r])
+        ox, oy, oz = np.float64(origins[r, x]), np.float64(origins[r, y]), np.float64(origins[r, z])
+        reach = np.float64(t_max[r])
         triangle[r] = -1
         tests[r] = 0
         for f in range(len(corners) // 9):

@@ -76,10 +76,10 @@ def _trace(
         )
         out_x, out_y, out_z = 2 - in_x, 10 - in_y, 18 - in_z
         x, y, z, shear_x, shear_y, shear_z = shear_of(
-            float(directions[r, 0]), float(directions[r, 1]), float(directions[r, 2])
+            np.float64(directions[r, 0]), np.float64(directions[r, 1]), np.float64(directions[r, 2])
         )
-        px, py, pz = float(origins[r, x]), float(origins[r, y]), float(origins[r, z])
-        best = float(t_max[r])
+        px, py, pz = np.float64(origins[r, x]), np.float64(origins[r, y]), np.float64(origins[r, z])
+        best: float = np.float64(t_max[r])
         triangle = NONE
         limit = min(np.float32(best), FAREST)
         top = 0

@@ -33,9 +33,9 @@ def keep_nearer(
                 corners[3 * vertex + axis] = positions[indices[f, vertex], axis]
         # The same expressions as in the structures' kernels, so that they round alike.
         x, y, z, sx, sy, sz = shear_of(
-            float(directions[r, 0]), float(directions[r, 1]), float(directions[r, 2])
+            np.float64(directions[r, 0]), np.float64(directions[r, 1]), np.float64(directions[r, 2])
         )
-        ox, oy, oz = float(origins[r, x]), float(origins[r, y]), float(origins[r, z])
+        ox, oy, oz = np.float64(origins[r, x]), np.float64(origins[r, y]), np.float64(origins[r, z])
         distance = distance_to(corners, 0, x, y, z, sx, sy, sz, ox, oy, oz)
         if distance < 0.0:
             # A structure that rounds otherwise has met what this test just misses.

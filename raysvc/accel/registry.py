@@ -13,6 +13,7 @@ from raysvc.accel.brute import Brute, BruteParams
 from raysvc.accel.bvh import Bvh, BvhParams
 from raysvc.accel.bvh_stackless import BvhStackless, BvhStacklessParams
 from raysvc.accel.embree import Embree, EmbreeParams
+from raysvc.accel.kd import Kd, KdParams
 from raysvc.errors import InvalidSetting, Unavailable
 
 
@@ -42,11 +43,12 @@ STRUCTURES: Final[Mapping[str, Entry]] = MappingProxyType(
         "bvh_stackless": Entry(
             BvhStackless, BvhStacklessParams, "the same hierarchy, traversed by links, no stack"
         ),
+        "kd": Entry(Kd, KdParams, "kd-tree by SAH, references clipped to their cells"),
         "brute": Entry(Brute, BruteParams, "tests every triangle; the oracle, for small scenes"),
     }
 )
 
-FASTEST_FIRST: Final = ("embree", "bvh", "bvh_stackless", "brute")
+FASTEST_FIRST: Final = ("embree", "bvh", "bvh_stackless", "kd", "brute")
 """The order in which `auto` chooses, by the benchmark."""
 
 

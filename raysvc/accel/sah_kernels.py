@@ -19,9 +19,9 @@ MAX_DEPTH = DEPTH_OF_HALVING + 32
 @inlined
 def half_area(bins: Floats, at: int) -> float:
     """Half of the surface of the box whose six bounds begin at bins[at]; 0 if it is empty."""
-    x = float(bins[at + 3]) - float(bins[at])
-    y = float(bins[at + 4]) - float(bins[at + 1])
-    z = float(bins[at + 5]) - float(bins[at + 2])
+    x = np.float64(bins[at + 3]) - np.float64(bins[at])
+    y = np.float64(bins[at + 4]) - np.float64(bins[at + 1])
+    z = np.float64(bins[at + 5]) - np.float64(bins[at + 2])
     if x < 0.0:
         return 0.0
     return x * y + y * z + z * x
@@ -184,9 +184,9 @@ def centroid_range(
         y0, y1 = (y if y < y0 else y0), (y if y > y1 else y1)
         z0, z1 = (z if z < z0 else z0), (z if z > z1 else z1)
     begin[0], begin[1], begin[2] = x0, y0, z0
-    scale[0] = bin_count / (float(x1) - x0) if x1 > x0 else 0.0
-    scale[1] = bin_count / (float(y1) - y0) if y1 > y0 else 0.0
-    scale[2] = bin_count / (float(z1) - z0) if z1 > z0 else 0.0
+    scale[0] = bin_count / (np.float64(x1) - x0) if x1 > x0 else 0.0
+    scale[1] = bin_count / (np.float64(y1) - y0) if y1 > y0 else 0.0
+    scale[2] = bin_count / (np.float64(z1) - z0) if z1 > z0 else 0.0
     for k in range(3):
         if scale[k] == FAR:
             scale[k] = 0.0

@@ -65,10 +65,10 @@ def _trace(
         out_x, out_y, out_z = 3 - in_x, 5 - in_y, 7 - in_z
         octant = (1 if rx < zero else 0) | (2 if ry < zero else 0) | (4 if rz < zero else 0)
         x, y, z, shear_x, shear_y, shear_z = shear_of(
-            float(directions[r, 0]), float(directions[r, 1]), float(directions[r, 2])
+            np.float64(directions[r, 0]), np.float64(directions[r, 1]), np.float64(directions[r, 2])
         )
-        px, py, pz = float(origins[r, x]), float(origins[r, y]), float(origins[r, z])
-        best = float(t_max[r])
+        px, py, pz = np.float64(origins[r, x]), np.float64(origins[r, y]), np.float64(origins[r, z])
+        best: float = np.float64(t_max[r])
         triangle = NONE
         limit = min(np.float32(best), FAREST)
         node = np.int32(0)

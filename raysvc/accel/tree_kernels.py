@@ -1,5 +1,7 @@
 """Measures of a binary tree of boxes, and boxes of moved triangles."""
 
+import numpy as np
+
 from raysvc.accel.sah_kernels import clear_box, half_area, unite
 from raysvc.jit import kernel
 from raysvc.types import Doubles, Floats, Ints
@@ -23,8 +25,8 @@ def figures_of(boxes: Floats, left: Ints, count: Ints, depth: Ints, figures: Dou
         else:
             figures[0] += 1.0
             figures[1] += 1.0 if count[node] == 0 else 0.0
-            figures[2] = max(figures[2], float(depth[node]))
-            figures[3] += float(depth[node])
+            figures[2] = max(figures[2], np.float64(depth[node]))
+            figures[3] += np.float64(depth[node])
             cost += area * count[node]
     whole = half_area(boxes, 0)
     figures[4] = cost / whole if whole > 0.0 else 0.0

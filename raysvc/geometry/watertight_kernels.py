@@ -7,6 +7,7 @@ Every structure decides by this function, so all of them see the same triangles 
 distances.
 """
 
+import numpy as np
 
 from raysvc.jit import inlined
 from raysvc.types import Floats
@@ -48,15 +49,15 @@ def distance_to(
     negative. Points on an edge belong to the triangle; a triangle without area, or seen edge-on, is
     never met.
     """
-    az = float(corners[at + axis_z]) - origin_z
-    bz = float(corners[at + 3 + axis_z]) - origin_z
-    cz = float(corners[at + 6 + axis_z]) - origin_z
-    ax = float(corners[at + axis_x]) - origin_x - shear_x * az
-    ay = float(corners[at + axis_y]) - origin_y - shear_y * az
-    bx = float(corners[at + 3 + axis_x]) - origin_x - shear_x * bz
-    by = float(corners[at + 3 + axis_y]) - origin_y - shear_y * bz
-    cx = float(corners[at + 6 + axis_x]) - origin_x - shear_x * cz
-    cy = float(corners[at + 6 + axis_y]) - origin_y - shear_y * cz
+    az = np.float64(corners[at + axis_z]) - origin_z
+    bz = np.float64(corners[at + 3 + axis_z]) - origin_z
+    cz = np.float64(corners[at + 6 + axis_z]) - origin_z
+    ax = np.float64(corners[at + axis_x]) - origin_x - shear_x * az
+    ay = np.float64(corners[at + axis_y]) - origin_y - shear_y * az
+    bx = np.float64(corners[at + 3 + axis_x]) - origin_x - shear_x * bz
+    by = np.float64(corners[at + 3 + axis_y]) - origin_y - shear_y * bz
+    cx = np.float64(corners[at + 6 + axis_x]) - origin_x - shear_x * cz
+    cy = np.float64(corners[at + 6 + axis_y]) - origin_y - shear_y * cz
     u = cx * by - cy * bx
     v = ax * cy - ay * cx
     w = bx * ay - by * ax
