@@ -11,7 +11,7 @@ from raysvc.raster.rasterise import Raster
 from raysvc.raster.spans import Fragments
 from raysvc.scene import Camera
 from raysvc.shading.surface import Surface
-from raysvc.types import Bools, Ints, Longs
+from raysvc.types import Bools, Floats, Ints, Longs
 
 CHUNK = 1 << 14
 
@@ -40,7 +40,7 @@ def _covering(prepared: Prepared, camera: Camera, found: Fragments, control: Con
     """Those fragments at which the material is not cut out or wholly transparent."""
 
     def covers(begin: int, end: int) -> Bools:
-        hits = _hits(prepared, camera, found.pixel[begin:end], found.triangle[begin:end])
+        _, hits = _hits(prepared, camera, found.pixel[begin:end], found.triangle[begin:end])
         return prepared.tables.alpha(hits.triangle, hits.barycentric) > 0
 
     parts = map_chunks(len(found.pixel), CHUNK, covers, control)
@@ -48,11 +48,11 @@ def _covering(prepared: Prepared, camera: Camera, found: Fragments, control: Con
     return Fragments(found.pixel[kept], found.triangle[kept], found.key[kept])
 
 
-def _hits(prepared: Prepared, camera: Camera, pixel: Longs, triangle: Ints) -> Hits:
+def _hits(prepared: Prepared, camera: Camera, pixel: Longs, triangle: Ints) -> tuple[Floats, Hits]:
     origins, directions = camera.rays(pixel)
     rays = Rays(origins, directions, np.full(len(pixel), np.inf, np.float32))
     scene = prepared.scene
-    return hits_on(Triangles(scene.positions, scene.triangles), triangle, rays)
+    return directions, hits_on(Triangles(scene.positions, scene.triangles), triangle, rays)
 
 
 def points_of(
@@ -67,8 +67,9 @@ def points_of(
     """Evaluate what was rasterised: pixel (N,) shows triangle (N,)."""
 
     def some(begin: int, end: int) -> Points:
-        hits = _hits(prepared, camera, pixel[begin:end], triangle[begin:end])
-        return _evaluated(prepared, camera, pixel[begin:end], hits, texture_filter)
+        part = pixel[begin:end]
+        directions, hits = _hits(prepared, camera, part, triangle[begin:end])
+        return evaluated(prepared, camera, part, directions, hits, texture_filter)
 
     parts = map_chunks(len(pixel), CHUNK, some, control, stage)
     if not parts:
@@ -82,18 +83,27 @@ def points_of(
     )
 
 
-def traced(prepared: Prepared, camera: Camera, pixel: Longs, texture_filter: str) -> Points:
-    """The points that a few pixels (P,), in ascending order, show, found by rays."""
+def traced(prepared: Prepared, camera: Camera, pixel: Longs) -> tuple[Longs, Floats, Hits]:
+    """What a few pixels (P,) show, found by rays.
+
+    Returns the place in `pixel` of each of N hits, in order and from near to far; the direction
+    (N, 3) of its ray; and the hits.
+    """
     origins, directions = camera.rays(pixel)
     rays = Rays(origins, directions, np.full(len(pixel), np.inf, np.float32))
-    ray, hits = prepared.world.along(rays)
-    return _evaluated(prepared, camera, pixel[ray], hits, texture_filter)
+    place, hits = prepared.world.along(rays)
+    return place, directions[place], hits
 
 
-def _evaluated(
-    prepared: Prepared, camera: Camera, pixel: Longs, hits: Hits, texture_filter: str
+def evaluated(
+    prepared: Prepared,
+    camera: Camera,
+    pixel: Longs,
+    directions: Floats,
+    hits: Hits,
+    texture_filter: str,
 ) -> Points:
-    _, directions = camera.rays(pixel)
+    """Evaluate N hits of rays through pixels (N,) in directions (N, 3)."""
     depth = hits.t * (directions @ camera.forward.astype(np.float32))
     metres = np.float32(camera.metres_per_pixel_at_unit_depth)
     footprint = (

@@ -6,7 +6,6 @@ emission + sun and punctual lights, shadowed
            environment
 """
 
-import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +25,8 @@ GLOSSY = 0.4
 """Roughness up to which the mirror ray alone says what a surface reflects of the scene."""
 MATT = 0.75
 """Roughness from which it says nothing, and occlusion only darkens the environment's lobe."""
+EVERY_OTHER = slice(None, None, 2)
+"""The part of the occlusion pattern that is enough for what is seen in a mirror."""
 LEAST_REFLECTION = 1.0 / 256.0
 """Reflections that can add less than this part of what they show are not traced."""
 
@@ -61,14 +62,6 @@ class Illumination:
             *prepared.scene.lights,
         ]
 
-    def share(self, number: int, of: int) -> "Illumination":
-        """Return this with one of so many parts of the occlusion pattern, for samples that are
-        averaged."""
-        part = copy.copy(self)
-        stride = max(1, min(of, len(self._pattern)))
-        part._pattern = self._pattern[number % stride :: stride]
-        return part
-
     def direct(self, surface: Surface) -> Floats:
         """(N, 3) radiance from the sun and punctual lights."""
         total = np.zeros((len(surface), 3), np.float32)
@@ -86,12 +79,13 @@ class Illumination:
             total += radiance
         return total
 
-    def occlusion(self, surface: Surface, tile: Ints) -> Floats:
+    def occlusion(self, surface: Surface, tile: Ints, part: slice = slice(None)) -> Floats:
         """(N,) part of the hemisphere that is free near each point; 1 without occlusion samples."""
-        if not len(self._pattern):
+        samples = self._pattern[part]
+        if not len(samples):
             return np.ones(len(surface), np.float32)
-        self._ledger.count("occlusion", len(surface) * len(self._pattern))
-        return visibility(self._prepared.world, surface, tile, self._pattern, self._radius_m)
+        self._ledger.count("occlusion", len(surface) * len(samples))
+        return visibility(self._prepared.world, surface, tile, samples, self._radius_m)
 
     def reflection(self, surface: Surface, footprint: Floats, bounces: int) -> Reflection:
         """What glossy points show of the scene by one mirror ray each, followed `bounces` times."""
@@ -130,7 +124,7 @@ class Illumination:
         return self.combined(
             surface,
             self.direct(surface),
-            self.occlusion(surface, tile),
+            self.occlusion(surface, tile, EVERY_OTHER),
             self.reflection(surface, footprint, bounces),
         )
 

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from raysvc.builtin import BUILTIN_ENVIRONMENTS
+from raysvc.frame.draft import Draft
 from raysvc.frame.frame import Frame
 from raysvc.frame.points import footprint_spread
 from raysvc.frame.prepared import prepare
 from raysvc.frame.radiance import Illumination
 from raysvc.frame.settings import Settings, checked, settings_from
-from raysvc.frame.stages import STAGES, Draft
+from raysvc.frame.stages import STAGES
 from raysvc.frame.statistics import Ledger, Statistics
 from raysvc.frame.view import View, camera_from
 from raysvc.limits import DEFAULT_LIMITS, Limits

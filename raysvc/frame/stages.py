@@ -6,62 +6,22 @@ Every stage is timed by the caller. Within a stage, chunks of points run on the 
 progress, cancelling and the deadline are looked at between them.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from raysvc.frame.antialias import antialias
 from raysvc.frame.background import composite
-from raysvc.frame.points import Points, front
-from raysvc.frame.prepared import Prepared
-from raysvc.frame.primary import CHUNK, points_of, rasterised, traced
-from raysvc.frame.radiance import Illumination, Reflection
-from raysvc.frame.settings import Settings
-from raysvc.frame.statistics import Ledger
+from raysvc.frame.draft import Draft
+from raysvc.frame.points import front
+from raysvc.frame.primary import CHUNK, points_of, rasterised
+from raysvc.frame.radiance import Reflection
 from raysvc.lens.coc import coc_px
 from raysvc.lens.spread import spread
-from raysvc.parallel import Control, for_chunks, map_chunks
-from raysvc.raster.edges import edge_mask
-from raysvc.scene import Camera
-from raysvc.tracing.occlusion import VisibilityPicture, tile_of
-from raysvc.types import Bools, Doubles, Floats, Longs
-
-
-@dataclass(slots=True, eq=False)
-class Draft:
-    """A frame in the making. Stages fill it from top to bottom; N points, H x W pixels."""
-
-    prepared: Prepared
-    camera: Camera
-    settings: Settings
-    control: Control
-    ledger: Ledger
-    illumination: Illumination
-    points: Points = field(init=False)
-    front: Longs = field(init=False)
-    """(H * W,) which point stands for a pixel in the layers, or -1."""
-    direct: Floats = field(init=False)
-    visible: Floats = field(init=False)
-    """(N,) ambient visibility."""
-    visibility: VisibilityPicture = field(init=False)
-    reflection: Reflection = field(init=False)
-    beauty: Floats = field(init=False)
-    """(H, W, 4) premultiplied linear RGBA."""
-    layers: dict[str, NDArray[Any]] = field(default_factory=dict)
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """H, W."""
-        return self.camera.height, self.camera.width
-
-    def each(
-        self, work: Callable[[int, int], Floats], stage: str, channels: tuple[int, ...]
-    ) -> Floats:
-        """Join what `work` makes of chunks of the points: (N, *channels)."""
-        parts = map_chunks(len(self.points.pixel), CHUNK, work, self.control, stage)
-        return np.concatenate(parts) if parts else np.zeros((0, *channels), np.float32)
+from raysvc.parallel import for_chunks, map_chunks
+from raysvc.tracing.occlusion import VisibilityPicture, is_traced, tile_of
+from raysvc.types import Floats, Longs
 
 
 def rasterise(draft: Draft) -> None:
@@ -110,30 +70,51 @@ def shadows(draft: Draft) -> None:
 
 
 def occlusion(draft: Draft) -> None:
-    """Find how much of the sky each point sees, smooth over neighbouring pixels."""
-    points = draft.points
-    tile = tile_of(points.pixel, draft.camera.width)
-    draft.visible = draft.each(
-        lambda begin, end: draft.illumination.occlusion(
-            points.surface.rows(begin, end), tile[begin:end]
-        ),
-        "occlusion",
-        (),
+    """Find how much of the sky each point sees: by rays from some, by its neighbours for others."""
+    points, width = draft.points, draft.camera.width
+    in_front = np.zeros(len(points.pixel), np.bool_)
+    in_front[draft.front[draft.front >= 0]] = True
+    traced = ~in_front | is_traced(points.pixel, width)
+    draft.visible = np.full(len(points.pixel), -1.0, np.float32)
+    _trace_occlusion(draft, np.flatnonzero(traced), "occlusion")
+    known = _visibility_picture(draft)
+
+    def fill(begin: int, end: int) -> Floats:
+        normal = points.surface.normal[begin:end]
+        return known.around(points.pixel[begin:end], points.depth[begin:end], normal)
+
+    filled = draft.each(fill, "", ())
+    draft.visible[in_front] = filled[in_front]
+    _trace_occlusion(draft, np.flatnonzero(draft.visible < 0), "")
+    draft.visibility = _visibility_picture(draft)
+    draft.layers["occlusion"] = np.where(
+        draft.front.reshape(draft.shape) >= 0, draft.visibility.visible, np.float32(1.0)
     )
+
+
+def _trace_occlusion(draft: Draft, index: Longs, stage: str) -> None:
+    """Trace occlusion rays from some of the points."""
+    points = draft.points
+    tile = tile_of(points.pixel[index], draft.camera.width)
+
+    def trace(begin: int, end: int) -> None:
+        some = index[begin:end]
+        surface = points.surface.chosen(some)
+        draft.visible[some] = draft.illumination.occlusion(surface, tile[begin:end])
+
+    for_chunks(len(index), CHUNK // 4, trace, draft.control, stage)
+
+
+def _visibility_picture(draft: Draft) -> VisibilityPicture:
     seen = draft.front >= 0
-    index = draft.front[seen]
-    picture = np.ones(len(seen), np.float32)
-    picture[seen] = draft.visible[index]
-    draft.visibility = VisibilityPicture(
+    picture = np.full(len(seen), -1.0, np.float32)
+    picture[seen] = draft.visible[draft.front[seen]]
+    return VisibilityPicture(
         picture.reshape(draft.shape),
         draft.layers["depth"],
         draft.layers["normal"],
         _depth_step(draft),
     )
-    if draft.settings.occlusion_samples:
-        draft.visibility = draft.visibility.smooth()
-        draft.visible[index] = draft.visibility.visible.reshape(-1)[seen]
-    draft.layers["occlusion"] = draft.visibility.visible
 
 
 def _depth_step(draft: Draft) -> Floats:
@@ -200,78 +181,6 @@ def light(draft: Draft) -> None:
 
     for_chunks(len(pixel), CHUNK, compose, draft.control)
     draft.beauty = rgba.reshape(*draft.shape, 4)
-
-
-def antialias(draft: Draft) -> None:
-    """Take more samples where the picture has edges, or everywhere, and average them."""
-    settings = draft.settings
-    flagged = _flagged(draft)
-    draft.layers["edge"] = flagged.astype(np.float32)
-    draft.ledger.edge_fraction = float(flagged.mean())
-    pixel = np.flatnonzero(flagged)
-    offsets = sample_offsets(settings.aa_samples)
-    rgba = draft.beauty.reshape(-1, 4)
-
-    def some(begin: int, end: int) -> None:
-        total = np.zeros((end - begin, 4), np.float32)
-        for number, (dx, dy) in enumerate(offsets):
-            draft.control.check()
-            camera = draft.camera.shifted(float(dx), float(dy))
-            illumination = draft.illumination.share(number, len(offsets))
-            total += _sampled(draft, illumination, camera, pixel[begin:end])
-        rgba[pixel[begin:end]] = total / np.float32(len(offsets))
-
-    for_chunks(len(pixel), CHUNK // 4, some, draft.control, "edges")
-
-
-def _flagged(draft: Draft) -> Bools:
-    aa = draft.settings.aa
-    if aa == "none" or draft.settings.aa_samples == 1:
-        return np.zeros(draft.shape, np.bool_)
-    if aa == "full":
-        return np.ones(draft.shape, np.bool_)
-    layers = draft.layers
-    materials = len(draft.prepared.scene.materials)
-    part = np.where(layers["id"] >= 0, layers["object"] * materials + layers["material"], -1)
-    return edge_mask(part.astype(np.int32), layers["depth"], layers["normal"])
-
-
-def sample_offsets(count: int) -> Doubles:
-    """(count, 2) places in a pixel, from its centre, evenly spread.
-
-    The R2 sequence: Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences".
-    """
-    index = np.arange(1, count + 1)[:, None]
-    offsets: Doubles = (
-        0.5 + index * np.array([0.7548776662466927, 0.5698402909980532])
-    ) % 1.0 - 0.5
-    return offsets
-
-
-def _sampled(draft: Draft, illumination: Illumination, camera: Camera, pixel: Longs) -> Floats:
-    """Premultiplied RGBA (P, 4) of pixels (P,) seen through a camera that samples elsewhere in
-    them."""
-    draft.ledger.count("primary", len(pixel))
-    points = traced(draft.prepared, camera, pixel, draft.settings.texture_filter)
-    surface = points.surface
-    radiance = illumination.combined(
-        surface,
-        illumination.direct(surface),
-        _visible_at(draft, illumination, points),
-        illumination.reflection(surface, points.footprint, draft.settings.bounces),
-    )
-    row = np.searchsorted(pixel, points.pixel)
-    return composite(draft.prepared, camera, draft.settings, pixel, row, radiance, surface.alpha)
-
-
-def _visible_at(draft: Draft, illumination: Illumination, points: Points) -> Floats:
-    """Ambient visibility of samples beside pixel centres: the neighbours' where they show the same
-    surface."""
-    visible = draft.visibility.near(points.pixel, points.depth, points.surface.normal)
-    alone = np.flatnonzero(visible < 0)
-    tile = tile_of(points.pixel[alone], draft.camera.width)
-    visible[alone] = illumination.occlusion(points.surface.chosen(alone), tile)
-    return visible
 
 
 def defocus(draft: Draft) -> None:

@@ -6,9 +6,11 @@ from typing import Final
 import numpy as np
 
 from raysvc.scene import Scene
+from raysvc.shading.attribute_kernels import Geometry
+from raysvc.shading.coverage_kernels import alphas, coverages
 from raysvc.shading.material_table import MaterialTable, material_table
 from raysvc.shading.surface import Surface
-from raysvc.shading.surface_kernels import Geometry, alphas, evaluate
+from raysvc.shading.surface_kernels import evaluate
 from raysvc.shading.texture_kernels import BILINEAR, MIP, NEAREST, TextureTable
 from raysvc.shading.texture_table import texture_table
 from raysvc.types import Bools, Floats, Ints
@@ -58,6 +60,21 @@ class SceneTables:
         alpha = np.empty(len(triangle), np.float32)
         alphas(self.geometry, self.materials, self.textures, triangle, barycentric, alpha)
         return alpha
+
+    def coverage(self, triangle: Ints, barycentric: Floats, directions: Floats) -> Floats:
+        """(N,) alpha of points that rays (N, 3) see: 0 where they see a single-sided back."""
+        coverage = np.empty(len(triangle), np.float32)
+        coverages(
+            self.geometry,
+            self.materials,
+            self.textures,
+            self.double_sided,
+            triangle,
+            barycentric,
+            directions,
+            coverage,
+        )
+        return coverage
 
     def surface(
         self,

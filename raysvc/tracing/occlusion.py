@@ -1,23 +1,23 @@
 """How much of the sky a point sees, within some distance.
 
-Cosine-weighted rays in a fixed pattern. Each pixel of a 4 x 4 tile turns the pattern by another
-angle (interleaved sampling: Keller and Heidrich 2001), and a 4 x 4 mean over neighbours on the same
-surface (`VisibilityPicture.smooth`) then joins 16 patterns into one: as smooth as 16 times the
-rays.
+Cosine-weighted rays in a fixed pattern, from one pixel of every 2 x 2. Neighbours among those take
+different shifts of the pattern (interleaved sampling: Keller and Heidrich 2001), and every pixel
+takes the mean of the four of them about it that show its surface: as smooth as four times the rays.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from raysvc.accel.base import Rays
 from raysvc.shading.surface import Surface
-from raysvc.tracing.occlusion_kernels import borrow, cosine_rays, tile_mean
+from raysvc.tracing.occlusion_kernels import cosine_rays, neighbours_mean
 from raysvc.tracing.world import World
-from raysvc.types import Doubles, Floats, Ints, Longs
+from raysvc.types import Bools, Doubles, Floats, Ints, Longs
 
-TILE = 4
+EVERY = 2
+"""Rays start from one pixel of so many by so many."""
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
@@ -29,11 +29,18 @@ def pattern(samples: int, seed: int) -> Doubles:
     return np.stack([first, (index * GOLDEN + shift[1]) % 1.0], axis=1)
 
 
-def tile_of(pixel: Longs, width: int) -> Ints:
-    """(N,) int32 place of pixels in a 4 x 4 tile, 0..15, neighbours far apart (Bayer matrix)."""
+def is_traced(pixel: Longs, width: int) -> Bools:
+    """(N,) bool: pixels from which rays start."""
     row, col = np.divmod(pixel, width)
-    bayer = np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]], np.int32)
-    tile: Ints = bayer[row % TILE, col % TILE]
+    traced: Bools = (row % EVERY == 0) & (col % EVERY == 0)
+    return traced
+
+
+def tile_of(pixel: Longs, width: int) -> Ints:
+    """(N,) int32 in 0..3: which shift of the pattern a pixel takes, not its neighbours'."""
+    row, col = np.divmod(pixel, width)
+    shifts = np.array([[0, 2], [3, 1]], np.int32)
+    tile: Ints = shifts[row // EVERY % 2, col // EVERY % 2]
     return tile
 
 
@@ -46,7 +53,7 @@ def visibility(
 ) -> Floats:
     """(N,) float32 in 0..1: cosine-weighted part of the hemisphere free within `radius_m`.
 
-    `tile` (N,) turns the pattern `samples` (K, 2) by so many sixteenths.
+    `tile` (N,) shifts the pattern `samples` (K, 2) by so many quarters.
     """
     count = len(surface) * len(samples)
     origins = np.empty((count, 3), np.float32)
@@ -73,7 +80,7 @@ class VisibilityPicture:
     Attributes
     ----------
     visible
-        (H, W) float32, anything where depth is infinite
+        (H, W) float32, -1 where it is not known
     depth
         (H, W) float32 metres along the view axis, inf where there is nothing
     normal
@@ -87,16 +94,17 @@ class VisibilityPicture:
     normal: Floats
     depth_step: Floats
 
-    def smooth(self) -> "VisibilityPicture":
-        """Return the picture of means over the 4 x 4 pixels about each that show its surface."""
-        mean = np.empty_like(self.visible)
-        tile_mean(self.visible, self.depth, self.normal, self.depth_step, mean)
-        return replace(self, visible=mean)
+    def around(self, pixel: Longs, depth: Floats, normal: Floats) -> Floats:
+        """(N,) visibility at pixel centres, from the traced pixels about them, or -1."""
+        return self._mean(pixel, depth, normal, EVERY, EVERY - 1)
 
-    def near(self, pixel: Longs, depth: Floats, normal: Floats) -> Floats:
-        """(N,) visibility of points in pixels, from neighbours that show their surface, or -1."""
-        borrowed = np.empty(len(pixel), np.float32)
-        borrow(
+    def beside(self, pixel: Longs, depth: Floats, normal: Floats) -> Floats:
+        """(N,) visibility of points elsewhere in pixels, from all pixels about them, or -1."""
+        return self._mean(pixel, depth, normal, 1, 1)
+
+    def _mean(self, pixel: Longs, depth: Floats, normal: Floats, before: int, after: int) -> Floats:
+        mean = np.empty(len(pixel), np.float32)
+        neighbours_mean(
             self.visible,
             self.depth,
             self.normal,
@@ -104,6 +112,8 @@ class VisibilityPicture:
             pixel,
             depth,
             normal,
-            borrowed,
+            before,
+            after,
+            mean,
         )
-        return borrowed
+        return mean

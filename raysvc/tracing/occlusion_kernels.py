@@ -9,6 +9,8 @@ from raysvc.tracing.offset_kernels import offset_origin
 from raysvc.types import Doubles, Floats, Ints, Longs
 
 Vec3 = tuple[float, float, float]
+TILES = 4
+"""How many shifts of the pattern there are."""
 SAME_NORMAL = 0.9
 """Cosine between normals of pixels that are taken to be one surface."""
 
@@ -53,8 +55,8 @@ def cosine_rays(
         )
         tangent, bitangent = basis(axis)
         for k in range(count):
-            # Both coordinates move with the tile: 16 tiles make a finer lattice, not a turned one.
-            u = (samples[k, 0] + tile[n] / (16.0 * count)) % 1.0
+            # Both coordinates move with the tile: all tiles make a finer lattice, not a turned one.
+            u = (samples[k, 0] + tile[n] / (TILES * count)) % 1.0
             v = (samples[k, 1] + tile[n] * 0.38196601125) % 1.0
             r, phi = math.sqrt(u), 2.0 * math.pi * v
             x, y, z = r * math.cos(phi), r * math.sin(phi), math.sqrt(max(1.0 - u, 0.0))
@@ -70,35 +72,7 @@ def cosine_rays(
 
 
 @kernel
-def tile_mean(
-    visible: Floats, depth: Floats, normal: Floats, depth_step: Floats, mean: Floats
-) -> None:
-    """Fill mean (H, W) with averages of the 4 x 4 pixels about each that show its surface."""
-    height, width = visible.shape
-    for row in range(height):
-        for col in range(width):
-            z = depth[row, col]
-            mean[row, col] = visible[row, col]
-            if not np.isfinite(z):
-                continue
-            total, count = 0.0, 0
-            for y in range(max(row - 2, 0), min(row + 2, height)):
-                for x in range(max(col - 2, 0), min(col + 2, width)):
-                    same = (
-                        normal[row, col, 0] * normal[y, x, 0]
-                        + normal[row, col, 1] * normal[y, x, 1]
-                        + normal[row, col, 2] * normal[y, x, 2]
-                    ) > SAME_NORMAL
-                    far = abs(row - y) + abs(col - x) + 1
-                    if same and abs(depth[y, x] - z) <= depth_step[row, col] * far:
-                        total += visible[y, x]
-                        count += 1
-            if count > 0:
-                mean[row, col] = total / count
-
-
-@kernel
-def borrow(
+def neighbours_mean(
     visible: Floats,
     depth: Floats,
     normal: Floats,
@@ -106,24 +80,30 @@ def borrow(
     pixel: Longs,
     point_depth: Floats,
     point_normal: Floats,
-    borrowed: Floats,
+    before: int,
+    after: int,
+    mean: Floats,
 ) -> None:
-    """Fill borrowed (N,) with means of the 3 x 3 pixels about each point on its surface, or -1.
+    """Fill mean (N,) of points in pixels (N,) with what the pixels about each say of its surface.
 
-    The points lie within pixels (N,) but not at their centres.
+    Those are `before` rows and columns before the pixel to `after` behind it, as far as they know
+    (visible >= 0) and show the point's surface; -1 where there is none.
     """
     height, width = visible.shape
     for n in range(len(pixel)):
         row, col = pixel[n] // width, pixel[n] % width
         total, count = 0.0, 0
-        for y in range(max(row - 1, 0), min(row + 2, height)):
-            for x in range(max(col - 1, 0), min(col + 2, width)):
+        for y in range(max(row - before, 0), min(row + after + 1, height)):
+            for x in range(max(col - before, 0), min(col + after + 1, width)):
+                if visible[y, x] < 0.0:
+                    continue
                 same = (
                     point_normal[n, 0] * normal[y, x, 0]
                     + point_normal[n, 1] * normal[y, x, 1]
                     + point_normal[n, 2] * normal[y, x, 2]
                 ) > SAME_NORMAL
-                if same and abs(depth[y, x] - point_depth[n]) <= 2.0 * depth_step[y, x]:
+                far = abs(row - y) + abs(col - x) + 1
+                if same and abs(depth[y, x] - point_depth[n]) <= depth_step[y, x] * far:
                     total += visible[y, x]
                     count += 1
-        borrowed[n] = total / count if count > 0 else -1.0
+        mean[n] = total / count if count > 0 else -1.0

@@ -77,14 +77,11 @@ class World:
         for _ in range(MAX_HOLES):
             some = march.ahead()
             hits = self._nearest_of_all(some)
-            alpha = self._tables.alpha(hits.triangle, hits.barycentric)
-            kept = np.flatnonzero(march.is_new(hits) & (alpha > 0))
-            kept = kept[~self._from_behind(some.directions[kept], hits.triangle[kept])]
+            coverage = self._tables.coverage(hits.triangle, hits.barycentric, some.directions)
+            kept = march.is_new(hits) & (coverage > 0)
             whole = Hits(march.distance(hits)[kept], hits.triangle[kept], hits.barycentric[kept])
             found.append((march.active[kept], whole))
-            onward = hits.triangle >= 0
-            onward[kept[alpha[kept] >= 1]] = False
-            march.go_on(hits, onward)
+            march.go_on(hits, (hits.triangle >= 0) & ~(kept & (coverage >= 1)))
             if not len(march.active):
                 break
         ray = np.concatenate([part for part, _ in found])
@@ -107,13 +104,6 @@ class World:
             np.where(nearer, other.triangle, hits.triangle),
             np.where(nearer[:, None], other.barycentric, hits.barycentric),
         )
-
-    def _from_behind(self, directions: Floats, triangle: Ints) -> Bools:
-        """(R,) bool: the triangle is single-sided and its back is towards the ray."""
-        corners = self._triangles.positions[self._triangles.indices[triangle]].astype(np.float64)
-        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        behind: Bools = np.einsum("nk,nk->n", across, directions) > 0
-        return behind & ~self._tables.double_sided[triangle]
 
     def transmittance(self, rays: Rays) -> Floats:
         """(R,) float32: the part of the light that comes through along each ray within 0..t_max."""

@@ -1,4 +1,4 @@
-"""What the golden pictures show: name -> scene, environment, view, settings; at most 96 x 64 pixels."""
+"""What the golden pictures show: scene, environment, view, settings; at most 96 x 64 pixels."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

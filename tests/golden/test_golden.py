@@ -1,7 +1,8 @@
 """Pictures as they were when somebody last looked at them and found them right.
 
-`python3 dev.py test tests/golden --regenerate-golden` writes them anew: look at each before committing it.
-A picture that differs leaves itself, its reference and their difference in tests/golden/diffs/.
+`python3 dev.py test tests/golden --regenerate-golden` writes them anew: look at each before you
+commit it. A picture that differs leaves itself, its reference and their difference in
+tests/golden/diffs/.
 """
 
 import os
@@ -17,7 +18,7 @@ HERE = Path(__file__).parent
 REFERENCES = HERE / "references"
 DIFFS = HERE / "diffs"
 LEAST_PSNR_DB = 38.0
-"""Another processor may round differently, which moves a few pixels; a change of method moves many."""
+"""Another processor may round differently and move a few pixels; another method moves many."""
 
 
 def read(path: Path) -> np.ndarray:

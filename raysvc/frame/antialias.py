@@ -1,0 +1,136 @@
+"""More samples where the picture has edges.
+
+Every sample of a pixel asks by a ray what it shows. On edges, samples that show the same
+triangle share one shading: coverage is what makes edges jagged, and shading is what costs (as
+in hardware's multisampling: Akeley 1993, "RealityEngine Graphics"). Full anti-aliasing shades all.
+"""
+
+import numpy as np
+
+from raysvc.accel.base import Hits
+from raysvc.frame.background import composite
+from raysvc.frame.draft import Draft
+from raysvc.frame.points import Points
+from raysvc.frame.primary import CHUNK, evaluated, traced
+from raysvc.parallel import for_chunks
+from raysvc.raster.edges import edge_mask
+from raysvc.tracing.occlusion import tile_of
+from raysvc.types import Bools, Doubles, Floats, Ints, Longs
+
+
+def antialias(draft: Draft) -> None:
+    """Take more samples where the picture has edges, or everywhere, and average them."""
+    flagged = _flagged(draft)
+    draft.layers["edge"] = flagged.astype(np.float32)
+    draft.ledger.edge_fraction = float(flagged.mean())
+    pixel = np.flatnonzero(flagged)
+    rgba = draft.beauty.reshape(-1, 4)
+
+    def some(begin: int, end: int) -> None:
+        part = pixel[begin:end]
+        rgba[part] = _sampled(draft, part)
+
+    for_chunks(len(pixel), CHUNK // 8, some, draft.control, "edges")
+
+
+def _flagged(draft: Draft) -> Bools:
+    aa = draft.settings.aa
+    if aa == "none" or draft.settings.aa_samples == 1:
+        return np.zeros(draft.shape, np.bool_)
+    if aa == "full":
+        return np.ones(draft.shape, np.bool_)
+    layers = draft.layers
+    # Where there is nothing both are -1, and so is what follows from them.
+    part = layers["object"] * len(draft.prepared.scene.materials) + layers["material"]
+    part = np.maximum(part, -1).astype(np.int32)
+    return edge_mask(part, layers["depth"], layers["normal"])
+
+
+def sample_offsets(count: int) -> Doubles:
+    """(count, 2) places in a pixel, from its centre, evenly spread.
+
+    The R2 sequence: Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences".
+    """
+    index = np.arange(1, count + 1)[:, None]
+    steps = np.array([0.7548776662466927, 0.5698402909980532])
+    offsets: Doubles = (0.5 + index * steps) % 1.0 - 0.5
+    return offsets
+
+
+def _sampled(draft: Draft, pixel: Longs) -> Floats:
+    """Premultiplied RGBA (P, 4), each the mean of a pixel's samples."""
+    samples = draft.settings.aa_samples
+    row, directions, hits = _hits_of_samples(draft, pixel)
+    first = group = np.arange(len(row))
+    if draft.settings.aa == "edges":
+        first, group = _shared(row // samples, hits.triangle)
+    points = evaluated(
+        draft.prepared,
+        draft.camera,
+        pixel[row[first] // samples],
+        directions[first],
+        Hits(hits.t[first], hits.triangle[first], hits.barycentric[first]),
+        draft.settings.texture_filter,
+    )
+    surface, illumination = points.surface, draft.illumination
+    radiance = illumination.combined(
+        surface,
+        illumination.direct(surface),
+        _visible_at(draft, points),
+        illumination.reflection(surface, points.footprint, draft.settings.bounces),
+    )
+    rgba = composite(
+        draft.prepared,
+        draft.camera,
+        draft.settings,
+        np.repeat(pixel, samples),
+        row,
+        radiance[group],
+        surface.alpha[group],
+    )
+    mean: Floats = rgba.reshape(len(pixel), samples, 4).mean(axis=1, dtype=np.float32)
+    return mean
+
+
+def _hits_of_samples(draft: Draft, pixel: Longs) -> tuple[Longs, Floats, Hits]:
+    """Hits of all samples of pixels (P,): row (N,) = place * samples + sample, ascending."""
+    samples = draft.settings.aa_samples
+    draft.ledger.count("primary", len(pixel) * samples)
+    rows, directions, found = [], [], []
+    for number, (dx, dy) in enumerate(sample_offsets(samples)):
+        draft.control.check()
+        camera = draft.camera.shifted(float(dx), float(dy))
+        place, towards, hits = traced(draft.prepared, camera, pixel)
+        rows.append(place * samples + number)
+        directions.append(towards)
+        found.append(hits)
+    row = np.concatenate(rows)
+    order = np.argsort(row, kind="stable")
+    return (
+        row[order],
+        np.concatenate(directions)[order],
+        Hits(
+            np.concatenate([hits.t for hits in found])[order],
+            np.concatenate([hits.triangle for hits in found])[order],
+            np.concatenate([hits.barycentric for hits in found])[order],
+        ),
+    )
+
+
+def _shared(place: Longs, triangle: Ints) -> tuple[Longs, Longs]:
+    """Which hits are shaded, and for each of the N hits which of those it takes its colour from.
+
+    Hits of one pixel on one triangle share the first one's.
+    """
+    key = (place << 32) | triangle
+    _, first, group = np.unique(key, return_index=True, return_inverse=True)
+    return first, group
+
+
+def _visible_at(draft: Draft, points: Points) -> Floats:
+    """Ambient visibility of samples beside pixel centres: the neighbours' on the same surface."""
+    visible = draft.visibility.beside(points.pixel, points.depth, points.surface.normal)
+    alone = np.flatnonzero(visible < 0)
+    tile = tile_of(points.pixel[alone], draft.camera.width)
+    visible[alone] = draft.illumination.occlusion(points.surface.chosen(alone), tile)
+    return visible

@@ -1,0 +1,54 @@
+"""A frame in the making."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from raysvc.frame.points import Points
+from raysvc.frame.prepared import Prepared
+from raysvc.frame.primary import CHUNK
+from raysvc.frame.radiance import Illumination, Reflection
+from raysvc.frame.settings import Settings
+from raysvc.frame.statistics import Ledger
+from raysvc.parallel import Control, map_chunks
+from raysvc.scene import Camera
+from raysvc.tracing.occlusion import VisibilityPicture
+from raysvc.types import Floats, Longs
+
+
+@dataclass(slots=True, eq=False)
+class Draft:
+    """A frame in the making. Stages fill it from top to bottom; N points, H x W pixels."""
+
+    prepared: Prepared
+    camera: Camera
+    settings: Settings
+    control: Control
+    ledger: Ledger
+    illumination: Illumination
+    points: Points = field(init=False)
+    front: Longs = field(init=False)
+    """(H * W,) which point stands for a pixel in the layers, or -1."""
+    direct: Floats = field(init=False)
+    visible: Floats = field(init=False)
+    """(N,) ambient visibility."""
+    visibility: VisibilityPicture = field(init=False)
+    reflection: Reflection = field(init=False)
+    beauty: Floats = field(init=False)
+    """(H, W, 4) premultiplied linear RGBA."""
+    layers: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """H, W."""
+        return self.camera.height, self.camera.width
+
+    def each(
+        self, work: Callable[[int, int], Floats], stage: str, channels: tuple[int, ...]
+    ) -> Floats:
+        """Join what `work` makes of chunks of the points: (N, *channels)."""
+        parts = map_chunks(len(self.points.pixel), CHUNK, work, self.control, stage)
+        return np.concatenate(parts) if parts else np.zeros((0, *channels), np.float32)

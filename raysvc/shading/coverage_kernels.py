@@ -1,0 +1,93 @@
+"""How much of a point is there: masks, blends, and backs that are not seen."""
+
+import numpy as np
+
+from raysvc.geometry.vector_kernels import cross, dot, plus, row3
+from raysvc.jit import inlined, kernel
+from raysvc.shading.attribute_kernels import Geometry, read_slot
+from raysvc.shading.material_table import (
+    ALPHA,
+    BASE_SLOT,
+    CUTOFF,
+    MASK,
+    OPAQUE,
+    MaterialTable,
+)
+from raysvc.shading.texture_kernels import BILINEAR, TextureTable
+from raysvc.types import Bools, Floats, Ints
+
+
+@inlined
+def alpha_of(
+    geometry: Geometry,
+    materials: MaterialTable,
+    textures: TextureTable,
+    triangle: int,
+    u: float,
+    v: float,
+) -> float:
+    """Coverage of a point as rays see it: 0 or 1 for masks, full-size texture alpha for blends."""
+    material = geometry.material_of_triangle[triangle]
+    mode = materials.flags[material, 0]
+    if mode == OPAQUE:
+        return 1.0
+    weights = (1.0 - u - v, u, v)
+    texel = read_slot(
+        geometry, materials, textures, material, BASE_SLOT, triangle, weights, 0.0, BILINEAR
+    )
+    i0, i1, i2 = (
+        geometry.triangles[triangle, 0],
+        geometry.triangles[triangle, 1],
+        geometry.triangles[triangle, 2],
+    )
+    colour = geometry.colours
+    vertex = weights[0] * colour[i0, 3] + u * colour[i1, 3] + v * colour[i2, 3]
+    alpha = float(materials.factors[material, ALPHA] * texel[3] * vertex)
+    if mode == MASK:
+        return 1.0 if alpha >= materials.factors[material, CUTOFF] else 0.0
+    return min(max(alpha, 0.0), 1.0)
+
+
+@kernel
+def alphas(
+    geometry: Geometry,
+    materials: MaterialTable,
+    textures: TextureTable,
+    triangle: Ints,
+    barycentric: Floats,
+    alpha: Floats,
+) -> None:
+    """Fill alpha (N,) of points at triangle (N,) and barycentric (N, 2); 0 where it is -1."""
+    for n in range(len(triangle)):
+        alpha[n] = 0.0
+        if triangle[n] >= 0:
+            u, v = np.float64(barycentric[n, 0]), np.float64(barycentric[n, 1])
+            alpha[n] = alpha_of(geometry, materials, textures, triangle[n], u, v)
+
+
+@kernel
+def coverages(
+    geometry: Geometry,
+    materials: MaterialTable,
+    textures: TextureTable,
+    double_sided: Bools,
+    triangle: Ints,
+    barycentric: Floats,
+    directions: Floats,
+    coverage: Floats,
+) -> None:
+    """Fill coverage (N,): alpha, but 0 where a ray sees the back of a single-sided triangle."""
+    for n in range(len(triangle)):
+        coverage[n] = 0.0
+        f = triangle[n]
+        if f < 0:
+            continue
+        if not double_sided[f]:
+            a = row3(geometry.positions, geometry.triangles[f, 0])
+            e1 = plus(row3(geometry.positions, geometry.triangles[f, 1]), a, -1.0)
+            e2 = plus(row3(geometry.positions, geometry.triangles[f, 2]), a, -1.0)
+            if dot(cross(e1, e2), row3(directions, n)) > 0.0:
+                continue
+        coverage[n] = alpha_of(
+            geometry, materials, textures, f, barycentric[n, 0], barycentric[n, 1]
+        )
