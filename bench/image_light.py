@@ -162,6 +162,7 @@ def white(normal: Doubles, view: Doubles, metallic: float, roughness: float) -> 
         emissive=filled(0, 3),
         occlusion=filled(1),
         unlit=np.zeros(count, bool),
+        clearance=filled(0),
     )
 
 

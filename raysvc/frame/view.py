@@ -1,7 +1,7 @@
 """From what a caller says of the camera to a camera that can be used."""
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -12,8 +12,9 @@ from raysvc.limits import DEFAULT_LIMITS, Limits
 from raysvc.scene import Camera, Scene, SceneCamera
 from raysvc.types import Doubles
 
-Vector = tuple[float, float, float]
-Row = tuple[float, float, float, float]
+Metres = Annotated[float, Field(ge=-1e9, le=1e9)]
+Vector = tuple[Metres, Metres, Metres]
+Row = tuple[Metres, Metres, Metres, Metres]
 
 DEFAULT_VIEW = (0.45, 0.35, 1.0)
 """From the scene towards a camera that was not given a place: a little right, a little above the
@@ -55,6 +56,7 @@ class View(BaseModel):
     focus_distance: float | None = Field(
         None,
         gt=0,
+        le=1e9,
         description="Distance along the view that is sharp, in metres; the target's by default.",
     )
     focus_point: Vector | None = Field(

@@ -60,3 +60,17 @@ class Material:
             self.occlusion_texture,
             self.emissive_texture,
         )
+
+    def numbers(self) -> tuple[float, ...]:
+        """Every factor, and the texture transforms."""
+        return (
+            *self.base_colour,
+            self.metallic,
+            self.roughness,
+            *self.emissive,
+            self.ior,
+            self.alpha_cutoff,
+            self.normal_scale,
+            self.occlusion_strength,
+            *(x for ref in self.texture_refs() if ref is not None for x in ref.uv_transform),
+        )

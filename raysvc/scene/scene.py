@@ -81,6 +81,8 @@ class Scene:
         _check_indices(self.triangles, vertices, "triangles")
         _check_indices(self.material_of_triangle, len(self.materials), "material_of_triangle")
         for number, material in enumerate(self.materials):
+            if not all(np.isfinite(material.numbers())):
+                raise InvalidScene("has NaN or infinite values", f"materials[{number}]")
             for ref in material.texture_refs():
                 if ref is not None and not (
                     0 <= ref.texture < len(self.textures) and ref.uv_set in (0, 1)

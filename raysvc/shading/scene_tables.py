@@ -101,9 +101,9 @@ class SceneTables:
         """
         count = len(triangle)
         vectors = [np.empty((count, 3), np.float32) for _ in range(6)]
-        scalars = [np.empty(count, np.float32) for _ in range(5)]
+        scalars = [np.empty(count, np.float32) for _ in range(6)]
         position, geometric_normal, normal, view, base_colour, emissive = vectors
-        alpha, metallic, roughness, dielectric_f0, occlusion = scalars
+        alpha, metallic, roughness, dielectric_f0, occlusion, clearance = scalars
         unlit = np.empty(count, np.bool_)
         evaluate(
             self.geometry,
@@ -126,6 +126,7 @@ class SceneTables:
             emissive,
             occlusion,
             unlit,
+            clearance,
         )
         return Surface(
             position,
@@ -140,4 +141,5 @@ class SceneTables:
             emissive,
             occlusion,
             unlit,
+            clearance,
         )

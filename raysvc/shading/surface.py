@@ -35,6 +35,8 @@ class Surface:
         environment only
     unlit
         (N,) bool: shows `base_colour` and nothing else
+    clearance
+        (N,) metres off the triangle at which a ray surely does not meet it
     """
 
     position: Floats
@@ -49,6 +51,7 @@ class Surface:
     emissive: Floats
     occlusion: Floats
     unlit: Bools
+    clearance: Floats
 
     def __len__(self) -> int:
         return len(self.position)

@@ -27,6 +27,8 @@ from raysvc.shading.material_table import (
 from raysvc.shading.texture_kernels import TextureTable
 from raysvc.types import Bools, Floats, Ints
 
+CLEARANCE = 256 * 1.1920929e-07
+"""Of a ray that leaves a triangle, as a part of its largest coordinate: 256 steps of float32."""
 LEAST_COSINE = 1e-3
 """A shading normal is bent until the viewer is at least this far above its horizon."""
 
@@ -53,6 +55,7 @@ def evaluate(
     emissive: Floats,
     occlusion: Floats,
     unlit: Bools,
+    clearance: Floats,
 ) -> None:
     """Fill the arrays of a `Surface` for N points.
 
@@ -162,6 +165,12 @@ def evaluate(
         emissive[n, 2] = factors[material, EMISSIVE + 2] * texel[2]
         unlit[n] = materials.flags[material, 1] == 1
 
+        largest = 0.0
+        for k in range(3):
+            largest = max(largest, abs(geometry.positions[i0, k]))
+            largest = max(largest, abs(geometry.positions[i1, k]))
+            largest = max(largest, abs(geometry.positions[i2, k]))
+        clearance[n] = CLEARANCE * largest
         point = mixed3(geometry.positions, i0, i1, i2, u, v)
         for k in range(3):
             position[n, k] = point[k]

@@ -61,6 +61,7 @@ def visibility(
     cosine_rays(
         surface.position,
         surface.geometric_normal,
+        surface.clearance,
         surface.normal,
         tile,
         samples,

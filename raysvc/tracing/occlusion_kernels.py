@@ -35,6 +35,7 @@ def basis(n: Vec3) -> tuple[Vec3, Vec3]:
 def cosine_rays(
     position: Floats,
     geometric_normal: Floats,
+    clearance: Floats,
     normal: Floats,
     tile: Ints,
     samples: Doubles,
@@ -68,7 +69,7 @@ def cosine_rays(
                 dx, dy, dz = dx - 2 * below * ng[0], dy - 2 * below * ng[1], dz - 2 * below * ng[2]
             at = n * count + k
             directions[at, 0], directions[at, 1], directions[at, 2] = dx, dy, dz
-            offset_origin(position, geometric_normal, n, np.float32(1.0), origins, at)
+            offset_origin(position, geometric_normal, clearance, n, np.float32(1.0), origins, at)
 
 
 @kernel

@@ -22,5 +22,7 @@ def rays_from(surface: Surface, directions: Floats, t_max: Floats) -> Rays:
     """Rays (N) that leave the surface without meeting it, on the side into which they go."""
     directions = np.ascontiguousarray(directions, np.float32)
     origins = np.empty_like(directions)
-    offset_origins(surface.position, surface.geometric_normal, directions, origins)
+    offset_origins(
+        surface.position, surface.geometric_normal, surface.clearance, directions, origins
+    )
     return Rays(origins, directions, np.ascontiguousarray(t_max, np.float32))

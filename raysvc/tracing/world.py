@@ -13,7 +13,7 @@ from raysvc.tracing.march import March
 from raysvc.types import Bools, Floats, Ints, Longs
 
 MAX_HOLES = 64
-"""Triangles with holes that one ray may pass through; light behind more of them is lost."""
+"""Triangles with holes that one ray may pass through; those behind are not there."""
 HALF_SEEN = 0.5
 """Reflections show blended surfaces that cover at least this much, and see through others."""
 

@@ -26,6 +26,7 @@ def surface_of(normal, view, base=1.0, metallic=1.0, roughness=0.5, dielectric_f
         emissive=filled(0, 3),
         occlusion=filled(1),
         unlit=np.zeros(count, bool),
+        clearance=filled(0),
     )
 
 

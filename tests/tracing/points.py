@@ -3,6 +3,7 @@
 import numpy as np
 
 from raysvc.shading.surface import Surface
+from raysvc.shading.surface_kernels import CLEARANCE
 
 
 def points(position, normal, *, geometric_normal=None, view=None):
@@ -29,4 +30,5 @@ def points(position, normal, *, geometric_normal=None, view=None):
         emissive=vectors((0, 0, 0)),
         occlusion=numbers(1),
         unlit=np.zeros(count, np.bool_),
+        clearance=CLEARANCE * np.maximum(np.abs(position).max(axis=1), np.float32(1)),
     )
