@@ -55,6 +55,7 @@ def _trace(
     stack = np.empty(MAX_DEPTH + 2, np.int32)
     enters, exits = np.empty(MAX_DEPTH + 2, np.float64), np.empty(MAX_DEPTH + 2, np.float64)
     origin, inverse = np.empty(3, np.float64), np.empty(3, np.float64)
+    near_side = np.empty(3, np.int64)
     # A mailbox holds ray and triangle, so that it need not be emptied between rays.
     mailboxes = np.full(MAILBOXES, -1, np.int64)
     for r in range(len(found)):
@@ -62,9 +63,10 @@ def _trace(
         for k in range(3):
             origin[k] = np.float64(origins[r, k])
             inverse[k] = 1.0 / np.float64(directions[r, k])
+            near_side[k] = 1 if inverse[k] < 0.0 else 0
             a, b = (box[k] - origin[k]) * inverse[k], (box[3 + k] - origin[k]) * inverse[k]
-            near, far = (b, a) if inverse[k] < 0.0 else (a, b)
-            enter, leave = (near if near > enter else enter), (far if far < leave else leave)
+            first, last = (b, a) if inverse[k] < 0.0 else (a, b)
+            enter, leave = (first if first > enter else enter), (last if last < leave else leave)
         x, y, z, shear_x, shear_y, shear_z = shear_of(
             np.float64(directions[r, 0]), np.float64(directions[r, 1]), np.float64(directions[r, 2])
         )
@@ -84,31 +86,26 @@ def _trace(
             if axis != LEAF:
                 if counting:
                     counts[r, 2] += 1
-                plane = np.float64(planes[at])
-                t = (plane - origin[axis]) * inverse[axis]
-                left = word >> 2
-                on_right = int(
-                    origin[axis] > plane or (origin[axis] == plane and inverse[axis] < 0.0)
-                )
-                if t < 0.0 or t > leave * MORE:
-                    node = left + on_right
-                elif t < enter * LESS:
-                    node = left + 1 - on_right
-                else:
-                    # Both, and so too if the ray lies in the plane and t is not a number.
-                    stack[top] = left + 1 - on_right
-                    enters[top], exits[top] = (t if t > enter else enter), leave
-                    top += 1
-                    node = left + on_right
-                    leave = t if t < leave else leave
-                    if counting:
-                        counts[r, 4] += 1
-                        counts[r, 5] = max(counts[r, 5], top)
+                # Without branches that no predictor could foresee. A ray in the plane, for which t
+                # is not a number, visits both children.
+                t = (np.float64(planes[at]) - origin[axis]) * inverse[axis]
+                near = (word >> 2) + near_side[axis]
+                far = 2 * (word >> 2) + 1 - near
+                beyond, before = t < enter, t > leave
+                both = not (beyond or before)
+                stack[top] = far
+                enters[top], exits[top] = (t * LESS if t > enter else enter), leave
+                top += int(both)
+                node = far if beyond else near
+                leave = t * MORE if both and t < leave else leave
+                if counting and both:
+                    counts[r, 4] += 1
+                    counts[r, 5] = max(counts[r, 5], top)
                 continue
-            first, count = nodes[at], word >> 2
+            begin, count = nodes[at], word >> 2
             if counting:
                 counts[r, 6] += 1
-            for n in range(first, first + count):
+            for n in range(begin, begin + count):
                 f = references[n]
                 letter = (np.int64(r) << 32) | np.int64(f)
                 if mailboxes[f & (MAILBOXES - 1)] == letter:

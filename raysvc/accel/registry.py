@@ -9,6 +9,7 @@ from typing import Any, Final
 from pydantic import BaseModel, ValidationError
 
 from raysvc.accel.base import Accelerator, Builder, Triangles
+from raysvc.accel.bih import Bih, BihParams
 from raysvc.accel.brute import Brute, BruteParams
 from raysvc.accel.bvh import Bvh, BvhParams
 from raysvc.accel.bvh_stackless import BvhStackless, BvhStacklessParams
@@ -44,11 +45,12 @@ STRUCTURES: Final[Mapping[str, Entry]] = MappingProxyType(
             BvhStackless, BvhStacklessParams, "the same hierarchy, traversed by links, no stack"
         ),
         "kd": Entry(Kd, KdParams, "kd-tree by SAH, references clipped to their cells"),
+        "bih": Entry(Bih, BihParams, "bounding interval hierarchy, two planes a node"),
         "brute": Entry(Brute, BruteParams, "tests every triangle; the oracle, for small scenes"),
     }
 )
 
-FASTEST_FIRST: Final = ("embree", "bvh", "bvh_stackless", "kd", "brute")
+FASTEST_FIRST: Final = ("embree", "bvh", "bvh_stackless", "kd", "bih", "brute")
 """The order in which `auto` chooses, by the benchmark."""
 
 

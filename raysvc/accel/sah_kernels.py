@@ -22,7 +22,7 @@ def half_area(bins: Floats, at: int) -> float:
     x = np.float64(bins[at + 3]) - np.float64(bins[at])
     y = np.float64(bins[at + 4]) - np.float64(bins[at + 1])
     z = np.float64(bins[at + 5]) - np.float64(bins[at + 2])
-    if x < 0.0:
+    if x < 0.0 or y < 0.0 or z < 0.0:
         return 0.0
     return x * y + y * z + z * x
 

@@ -1,0 +1,119 @@
+"""A bounding interval hierarchy: two planes a node, each triangle once, small and quickly built."""
+
+import time
+from typing import Final, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from raysvc.accel import bih_kernels
+from raysvc.accel.base import Rays, Triangles
+from raysvc.accel.bih_build_kernels import (
+    LEAF,
+    NODE_WORDS,
+    cells_of,
+    grow_interval_tree,
+)
+from raysvc.accel.bih_kernels import BihArrays
+from raysvc.accel.binary_tree import TreeShape
+from raysvc.accel.corner_kernels import TRIANGLE_BYTES, bounds_of, corners_of
+from raysvc.accel.queries import Queries, QueryKernels
+from raysvc.accel.report import Counters, Query
+from raysvc.accel.sah_kernels import MAX_DEPTH
+from raysvc.types import Bools, Floats, Ints
+
+
+class BihParams(BaseModel):
+    """How the hierarchy is built."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    split: Literal["middle", "sah"] = Field(
+        "middle",
+        description="`middle` halves regular voxels; `sah` weighs surface areas.",
+    )
+    max_leaf: int = Field(6, ge=1, le=64, description="Most triangles that a leaf may hold.")
+    empty_cut: float = Field(
+        0.05,
+        ge=0.01,
+        le=1,
+        description="With `middle`: part of a cell that an empty leaf must cut off.",
+    )
+    bins: int = Field(16, ge=4, le=64, description="With `sah`: places per axis for a split.")
+    traversal_cost: float = Field(
+        4.0, ge=0, le=100, description="With `sah`: cost of a step, that of a triangle being 1."
+    )
+
+
+KERNELS: Final = QueryKernels(
+    bih_kernels.nearest,
+    bih_kernels.occluded,
+    bih_kernels.counted_nearest,
+    bih_kernels.counted_occluded,
+)
+
+
+class Bih:
+    """A step fetches a node; an inner one has two planes tested, and the nearer child is first."""
+
+    state_bytes = 20 * (MAX_DEPTH + 2)
+    """The stack's nodes and intervals."""
+    refits = False
+
+    def __init__(self, triangles: Triangles, params: BihParams) -> None:
+        start = time.perf_counter()
+        self._triangles = triangles
+        self._params = params
+        count = len(triangles.indices)
+        order = np.arange(count, dtype=np.int32)
+        box = np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0])
+        words = np.array([0, 0, LEAF, 0], np.int32)
+        if count > 0:
+            bounds = np.empty((count, 6), np.float32)
+            bounds_of(corners_of(triangles.positions, triangles.indices, order), bounds)
+            box = np.concatenate([bounds[:, :3].min(axis=0), bounds[:, 3:].max(axis=0)])
+            box = box.astype(np.float64)
+            words = np.empty(NODE_WORDS * (4 * count + 1), np.int32)
+            filled = grow_interval_tree(
+                bounds.reshape(-1),
+                order,
+                box,
+                params.split == "sah",
+                params.bins,
+                params.traversal_cost,
+                params.max_leaf,
+                params.empty_cut,
+                words.view(np.float32),
+                words,
+            )
+            words = words[: NODE_WORDS * filled].copy()
+        corners = corners_of(triangles.positions, triangles.indices, order)
+        self.arrays = BihArrays(words.view(np.float32), words, corners, order, box)
+        self._queries = Queries(KERNELS, self.arrays, 4 * NODE_WORDS, TRIANGLE_BYTES)
+        seconds = time.perf_counter() - start
+        self.report = self.shape().report(count, seconds, words.nbytes, order.nbytes)
+
+    def shape(self) -> TreeShape:
+        """Return the cells, as the planes bound them, and their triangles, for measures."""
+        arrays = self.arrays
+        nodes = len(arrays.words) // NODE_WORDS
+        boxes = np.empty(6 * nodes, np.float32)
+        left, first, count = (np.empty(nodes, np.int32) for _ in range(3))
+        cells_of(arrays.nodes, arrays.words, arrays.box, boxes, left, first, count)
+        return TreeShape(boxes, left, first, count, arrays.numbers)
+
+    def nearest_triangle(self, rays: Rays) -> Ints:
+        """(R,) int32: the first triangle along each ray, the lowest where several tie, or -1."""
+        return self._queries.nearest_triangle(rays)
+
+    def occluded(self, rays: Rays) -> Bools:
+        """(R,) bool: is there any triangle along the ray?"""
+        return self._queries.occluded(rays)
+
+    def counted(self, rays: Rays, query: Query) -> Counters:
+        """Answer as nearest_triangle or occluded do, and say what it took."""
+        return self._queries.counted(rays, query)
+
+    def refitted(self, positions: Floats) -> "Bih":
+        """Build anew with the moved vertices, positions (V, 3)."""
+        return Bih(Triangles(positions, self._triangles.indices), self._params)
