@@ -11,8 +11,18 @@ from starlette.staticfiles import StaticFiles
 
 from api import problems
 from api.body_limit import BodyLimit
+from api.comparison_schemas import ComparisonBody
 from api.context import Context
-from api.routes import environments, health, one_shot, pages, renders, scenes, structures
+from api.routes import (
+    comparisons,
+    environments,
+    health,
+    one_shot,
+    pages,
+    renders,
+    scenes,
+    structures,
+)
 from api.schemas import RenderBody
 from api.settings import ApiSettings, settings_from_environment
 from raysvc.jobs import MakeRenderer, RenderService, SceneRenderer
@@ -50,7 +60,16 @@ def create_app(
     app.state.context = Context(settings, service, anyio.CapacityLimiter(settings.heavy_threads))
     app.add_middleware(BodyLimit, max_bytes=settings.max_upload_bytes + FORM_OVERHEAD_BYTES)
     problems.install(app)
-    for routes in (scenes, environments, renders, one_shot, structures, health, pages):
+    for routes in (
+        scenes,
+        environments,
+        renders,
+        one_shot,
+        comparisons,
+        structures,
+        health,
+        pages,
+    ):
         app.include_router(routes.router)
     app.mount("/docs/assets", StaticFiles(directory=pages.ASSETS), name="docs-assets")
     app.openapi = lambda: _openapi(app)  # type: ignore[method-assign]
@@ -63,8 +82,9 @@ def _openapi(app: FastAPI) -> dict[str, Any]:
         schema = get_openapi(
             title=app.title, version=app.version, summary=app.summary, routes=app.routes
         )
-        body = RenderBody.model_json_schema(ref_template="#/components/schemas/{model}")
-        parts = body.pop("$defs")
-        schema["components"]["schemas"] |= {"RenderBody": body, **parts}
+        for model in (RenderBody, ComparisonBody):
+            body = model.model_json_schema(ref_template="#/components/schemas/{model}")
+            parts = body.pop("$defs")
+            schema["components"]["schemas"] |= {model.__name__: body, **parts}
         app.openapi_schema = schema
     return app.openapi_schema

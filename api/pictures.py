@@ -11,7 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from api.context import Context
 from api.negotiation import MEDIA_TYPES, format_for, matches
 from raysvc.errors import InvalidSetting
-from raysvc.jobs import Job
+from raysvc.jobs import Job, RenderRequest
+from raysvc.jobs import Request as JobRequest
 
 LONGEST_HEADER: Final = 4_000
 LISTENING_S: Final = 0.25
@@ -34,7 +35,7 @@ class ImageQuery(BaseModel):
     )
 
 
-async def wait_for(job: Job, seconds: float, request: Request) -> bool:
+async def wait_for(job: Job[JobRequest], seconds: float, request: Request) -> bool:
     """Wait until a job has finished; False when the time is over or the client has gone away."""
     finished = asyncio.wrap_future(job.finished)
     end = time.monotonic() + seconds
@@ -47,7 +48,7 @@ async def wait_for(job: Job, seconds: float, request: Request) -> bool:
 
 
 async def image_response(
-    job: Job, query: ImageQuery, request: Request, context: Context
+    job: Job[RenderRequest], query: ImageQuery, request: Request, context: Context
 ) -> Response:
     """Answer with a job's picture, or with 304 where the client holds it already.
 
@@ -65,7 +66,7 @@ async def image_response(
     return Response(data, media_type=MEDIA_TYPES[format], headers=headers)
 
 
-def statistics_headers(job: Job) -> dict[str, str]:
+def statistics_headers(job: Job[RenderRequest]) -> dict[str, str]:
     """Timings for people and tools at hand, and where the rest is."""
     statistics: dict[str, Any] = dict(job.statistics or {})
     timings = [

@@ -77,15 +77,15 @@ PROBLEMS: Final[Mapping[type[errors.RaysvcError], Problem]] = MappingProxyType(
             HTTPStatus.UNPROCESSABLE_ENTITY, "invalid-input", "The request is wrong"
         ),
         errors.NotFound: Problem(HTTPStatus.NOT_FOUND, "not-found", "There is no such thing"),
-        errors.NotFinished: Problem(HTTPStatus.CONFLICT, "not-finished", "There is no picture yet"),
-        errors.Gone: Problem(HTTPStatus.GONE, "gone", "The picture is no longer kept"),
+        errors.NotFinished: Problem(HTTPStatus.CONFLICT, "not-finished", "There is no result yet"),
+        errors.Gone: Problem(HTTPStatus.GONE, "gone", "The result is no longer kept"),
         errors.Unavailable: Problem(
             HTTPStatus.UNPROCESSABLE_ENTITY, "unavailable", "Not available on this machine"
         ),
         errors.QueueFull: Problem(HTTPStatus.TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
-        errors.Cancelled: Problem(HTTPStatus.CONFLICT, "cancelled", "The render was cancelled"),
+        errors.Cancelled: Problem(HTTPStatus.CONFLICT, "cancelled", "The job was cancelled"),
         errors.DeadlineExceeded: Problem(
-            HTTPStatus.SERVICE_UNAVAILABLE, "deadline-exceeded", "The render took too long"
+            HTTPStatus.SERVICE_UNAVAILABLE, "deadline-exceeded", "The job took too long"
         ),
         errors.RaysvcError: Problem(
             HTTPStatus.INTERNAL_SERVER_ERROR, "internal", "Something went wrong in the service"

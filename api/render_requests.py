@@ -11,7 +11,7 @@ from raysvc.jobs import ContentStore, Job, RenderRequest, RenderService
 from raysvc.loading.scene_file import BUILTIN_PREFIX
 
 
-def submit(service: RenderService, body: Mapping[str, Any]) -> Job:
+def submit(service: RenderService, body: Mapping[str, Any]) -> Job[RenderRequest]:
     """Check every part of a body and queue it; blocks.
 
     Raises InvalidInput, NotFound, QueueFull.
@@ -25,11 +25,11 @@ def submit(service: RenderService, body: Mapping[str, Any]) -> Job:
     camera = checked(View, _mapping(body, "camera"), "camera")
     environment = body.get("environment")
     request = RenderRequest(
-        scene=_stored(body["scene"], "scene", service.scenes),
+        scene=stored_id(body["scene"], "scene", service.scenes),
         environment=(
             None
             if environment is None
-            else _stored(environment, "environment", service.environments)
+            else stored_id(environment, "environment", service.environments)
         ),
         camera=camera,
         settings=settings,
@@ -46,7 +46,7 @@ def _mapping(body: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     return value
 
 
-def _stored(name: Any, field: str, store: ContentStore[Any]) -> str:
+def stored_id(name: Any, field: str, store: ContentStore[Any]) -> str:
     """Return the id of what is called `builtin:NAME` or by its id."""
     if not isinstance(name, str):
         raise InvalidSetting("must be an id or builtin:NAME", field=field)

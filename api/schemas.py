@@ -1,5 +1,6 @@
 """What answers look like. The names are the core's."""
 
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
@@ -9,7 +10,7 @@ from api.problems import error_body
 from raysvc.accel.registry import Entry
 from raysvc.frame.settings import Settings
 from raysvc.frame.view import View
-from raysvc.jobs import Job, JobState, Record
+from raysvc.jobs import Job, JobState, Record, RenderRequest, Request
 
 
 class BuiltinBody(BaseModel):
@@ -78,17 +79,24 @@ class EnvironmentResource(StoredResource):
     max_radiance: float
 
 
-class RenderResource(BaseModel):
-    """A render: how far it is, and what it took."""
+class JobResource(BaseModel):
+    """How far something is that takes its time."""
 
     id: str
     state: JobState
     stage: str | None = Field(description="What runs now.")
     progress: float = Field(description="How much of the stage is done, 0..1; 1 when done.")
-    position: int | None = Field(description="Renders that run before this one, while it waits.")
+    position: int | None = Field(description="Jobs that run before this one, while it waits.")
     created: str
     started: str | None
     finished: str | None
+    error: dict[str, Any] | None = Field(description="Why it failed.")
+    links: dict[str, str]
+
+
+class RenderResource(JobResource):
+    """A render: how far it is, and what it took."""
+
     scene: str
     environment: str | None
     camera: dict[str, Any]
@@ -97,8 +105,6 @@ class RenderResource(BaseModel):
         description="Timings per stage, rays and more, when done."
     )
     warnings: list[str]
-    error: dict[str, Any] | None = Field(description="Why it failed.")
-    links: dict[str, str]
 
 
 class StructureResource(BaseModel):
@@ -145,31 +151,37 @@ def environment_resource(record: Record) -> EnvironmentResource:
     return EnvironmentResource(**_stored(record, "environments"), **record.summary)
 
 
-def render_resource(job: Job, position: int | None) -> RenderResource:
-    """Present a job."""
+def job_fields(job: Job[Request], position: int | None, links: Mapping[str, str]) -> dict[str, Any]:
+    """What every job says of itself; `links` lead to its result, once it is there."""
     state = job.state  # read first: what belongs to a state is set before the state is
-    path = f"/v1/renders/{job.id}"
-    links = {"self": path}
-    if state is JobState.DONE:
-        links["image"] = f"{path}/image"
+    path = f"/v1/{job.request.kind}s/{job.id}"
+    there = {name: f"{path}/{tail}" for name, tail in links.items() if state is JobState.DONE}
+    return {
+        "id": job.id,
+        "state": state,
+        "stage": job.stage if state is JobState.RUNNING else None,
+        "progress": 1.0 if state is JobState.DONE else job.stage_fraction,
+        "position": position,
+        "created": _time(job.created_s),
+        "started": _time(job.started_s) if job.started_s else None,
+        "finished": _time(job.finished_s) if job.finished_s else None,
+        "error": error_body(job.error) if job.error is not None else None,
+        "links": {"self": path, **there},
+    }
+
+
+def render_resource(job: Job[RenderRequest], position: int | None) -> RenderResource:
+    """Present a render."""
+    known = job_fields(job, position, {"image": "image"})
     statistics = dict(job.statistics) if job.statistics is not None else None
     return RenderResource(
-        id=job.id,
-        state=state,
-        stage=job.stage if state is JobState.RUNNING else None,
-        progress=1.0 if state is JobState.DONE else job.stage_fraction,
-        position=position,
-        created=_time(job.created_s),
-        started=_time(job.started_s) if job.started_s else None,
-        finished=_time(job.finished_s) if job.finished_s else None,
+        **known,
         scene=job.request.scene,
         environment=job.request.environment,
         camera=job.request.camera.model_dump(mode="json"),
         settings=job.request.settings.model_dump(mode="json"),
         statistics=statistics,
         warnings=list(statistics.get("warnings", [])) if statistics else [],
-        error=error_body(job.error) if job.error is not None else None,
-        links=links,
     )
 
 

@@ -28,19 +28,19 @@ class ApiSettings(BaseSettings):
         description="Where scenes and environments are kept; one process owns it.",
     )
     queue_size: int = Field(
-        16, ge=1, le=100_000, description="Renders that may wait; one more is answered 429."
+        16, ge=1, le=100_000, description="Jobs that may wait; one more is answered 429."
     )
     kept_jobs: int = Field(
-        1_000, ge=1, description="Renders that are remembered; the oldest finished one goes first."
+        1_000, ge=1, description="Jobs that are remembered; the oldest finished one goes first."
     )
     deadline_s: float = Field(
-        600.0, gt=0, le=86400, description="Time for a render that does not set `deadline_s`."
+        600.0, gt=0, le=86400, description="Time for a job that does not set `deadline_s`."
     )
     wait_max_s: float = Field(
         60.0, ge=0, le=3600, description="Longest wait that `Prefer: wait` is granted."
     )
     grace_s: float = Field(
-        20.0, ge=0, le=3600, description="Time for the running render when the service stops."
+        20.0, ge=0, le=3600, description="Time for the running job when the service stops."
     )
     heavy_threads: int = Field(
         2, ge=1, le=64, description="Uploads and pictures that are decoded or encoded at a time."
@@ -53,6 +53,9 @@ class ApiSettings(BaseSettings):
     )
     result_memory_bytes: int = Field(
         512 << 20, ge=0, description="Finished pictures that are kept in memory."
+    )
+    comparison_memory_bytes: int = Field(
+        128 << 20, ge=0, description="Finished comparisons that are kept in memory."
     )
     max_json_bytes: int = Field(1 << 20, ge=1, description="Largest JSON body or form field.")
     max_upload_bytes: int = Field(
@@ -70,6 +73,9 @@ class ApiSettings(BaseSettings):
     max_image_side: int = Field(
         DEFAULT_LIMITS.max_image_side, ge=1, description="Width or height of a picture."
     )
+    max_comparison_rays: int = Field(
+        DEFAULT_LIMITS.max_comparison_rays, ge=1, description="Rays of a comparison."
+    )
 
     def limits(self) -> Limits:
         """Return the core's limits."""
@@ -81,6 +87,7 @@ class ApiSettings(BaseSettings):
             max_triangles=self.max_triangles,
             max_image_pixels=self.max_image_pixels,
             max_image_side=self.max_image_side,
+            max_comparison_rays=self.max_comparison_rays,
         )
 
     def service_options(self) -> ServiceOptions:
@@ -93,6 +100,7 @@ class ApiSettings(BaseSettings):
             scene_memory_bytes=self.scene_memory_bytes,
             environment_memory_bytes=self.environment_memory_bytes,
             result_memory_bytes=self.result_memory_bytes,
+            comparison_memory_bytes=self.comparison_memory_bytes,
             limits=self.limits(),
         )
 

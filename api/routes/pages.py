@@ -25,6 +25,7 @@ async def root() -> Response:
         "environments": "/v1/environments",
         "renders": "/v1/renders",
         "render": "/v1/render",
+        "comparisons": "/v1/comparisons",
         "structures": "/v1/structures",
         "live": "/healthz",
         "ready": "/readyz",

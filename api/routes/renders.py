@@ -12,6 +12,7 @@ from api.render_requests import submit
 from api.responses import SafeJSONResponse
 from api.routes.stored import PROBLEM_RESPONSES
 from api.schemas import RenderResource, render_resource
+from raysvc.jobs import RenderRequest
 
 router = APIRouter(prefix="/v1/renders", tags=["renders"], responses=PROBLEM_RESPONSES)
 
@@ -55,7 +56,7 @@ async def add_render(request: Request, context: ContextDep) -> Response:
 @router.get("/{id}", responses={200: {"model": RenderResource}})
 async def get_render(id: str, context: ContextDep) -> Response:
     """How far a render is, and what it took."""
-    job = context.service.job(id)
+    job = context.service.job(id, RenderRequest)
     resource = render_resource(job, context.service.position(job))
     return SafeJSONResponse(resource.model_dump(mode="json"), headers={"Cache-Control": "no-store"})
 
@@ -65,13 +66,13 @@ async def get_image(
     id: str, query: Annotated[ImageQuery, Query()], request: Request, context: ContextDep
 ) -> Response:
     """A finished render's picture, or one of its layers."""
-    return await image_response(context.service.job(id), query, request, context)
+    return await image_response(context.service.job(id, RenderRequest), query, request, context)
 
 
 @router.delete("/{id}", status_code=202, responses={202: {"model": RenderResource}})
 async def cancel_render(id: str, context: ContextDep) -> Response:
     """Cancel a render that waits or runs; one that has ended stays as it is."""
-    job = context.service.job(id)
+    job = context.service.job(id, RenderRequest)
     job.cancel()
     resource = render_resource(job, context.service.position(job))
     return SafeJSONResponse(resource.model_dump(mode="json"), 202)

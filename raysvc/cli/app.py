@@ -6,6 +6,8 @@ from typing import Annotated, NoReturn
 
 import typer
 
+from raysvc.cli.bench import bench
+from raysvc.cli.compare import compare
 from raysvc.cli.demo import demo
 from raysvc.cli.inspect import inspect
 from raysvc.cli.render import render
@@ -23,7 +25,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (serve, render, inspect, demo):
+for command in (serve, render, compare, inspect, bench, demo):
     app.command()(command)
 
 

@@ -4,9 +4,11 @@ import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from raysvc.errors import InvalidSetting
+
+Format = TypeVar("Format", bound=str)
 
 PICTURE_SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".webp", ".exr", ".npz")
 
@@ -47,6 +49,15 @@ def writable(path: Path, field: str) -> Path:
     if not path.parent.is_dir():
         raise InvalidSetting(f"there is no folder {path.parent}", field=field)
     return path
+
+
+def output_format(path: Path, field: str, formats: Sequence[Format]) -> Format:
+    """Return which of some formats a file's suffix names."""
+    suffix = path.suffix.lower().lstrip(".")
+    for format in formats:
+        if format == suffix:
+            return format
+    raise InvalidSetting(f"must end in {' '.join('.' + f for f in formats)}", field=field)
 
 
 def _object_in(path: Path) -> dict[str, Any]:

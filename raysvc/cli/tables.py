@@ -5,6 +5,9 @@ from typing import Any
 
 from rich.table import Table
 
+from raysvc.compare.contenders import label_of
+from raysvc.compare.result import Comparison
+
 
 def stage_table(statistics: Mapping[str, Any]) -> Table:
     """Seconds per stage of a render, their share of the whole, and the rays."""
@@ -21,6 +24,46 @@ def stage_table(statistics: Mapping[str, Any]) -> Table:
     for kind, count in statistics.get("rays", {}).items():
         table.add_row(f"{kind} rays", f"{count:,}", "")
     return table
+
+
+def comparison_table(comparison: Comparison) -> Table:
+    """What matters most of every structure; the files hold the rest."""
+    rows = [
+        (
+            label_of(structure.name, structure.trees),
+            f"{structure.build.build_ms:,.0f}",
+            _number(structure.build.tree_mib, 2),
+            _number(structure.traversal.node_steps_per_ray, 1),
+            _number(structure.traversal.triangle_tests_per_ray, 1),
+            _number(structure.traversal.mrays_per_s_one_thread, 2),
+            _number(structure.traversal.mrays_per_s_all_threads, 2),
+            f"{structure.traversal.hits:,}",
+        )
+        for structure in comparison.structures
+    ]
+    table = plain_table(
+        ("structure", "build ms", "MiB", "steps", "tests", "Mrays/s", "all threads", "hits"),
+        rows,
+        numbers=range(1, 8),
+    )
+    rays = comparison.rays
+    table.title = f"{comparison.scene}: {rays.count:,} {rays.kind} rays"
+    return table
+
+
+def bench_table(results: Sequence[Mapping[str, Any]]) -> Table:
+    """A row for each result of a benchmark, a column for each of its names."""
+    columns = list(results[0])
+    rows = [
+        [_number(value, 3) if isinstance(value, float) else value for value in result.values()]
+        for result in results
+    ]
+    numbers = [place for place, name in enumerate(columns) if isinstance(results[0][name], float)]
+    return plain_table(columns, rows, numbers)
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:,.{digits}f}"
 
 
 def plain_table(

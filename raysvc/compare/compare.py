@@ -33,9 +33,9 @@ from raysvc.compare.settings import (
     Trees,
     candidates,
     check_size,
+    comparison_settings,
 )
 from raysvc.compare.talk_2009 import talk_beside
-from raysvc.frame.settings import checked
 from raysvc.frame.view import camera_from
 from raysvc.limits import DEFAULT_LIMITS, Limits
 from raysvc.parallel import Control
@@ -70,7 +70,7 @@ def compare(
     Raises InvalidSetting, LimitExceeded, Unavailable, Cancelled, DeadlineExceeded.
     """
     if not isinstance(settings, ComparisonSettings):
-        settings = checked(ComparisonSettings, settings or {}, "settings")
+        settings = comparison_settings(settings or {})
     control = (control or Control()).limited(settings.threads, settings.deadline_s)
     chosen = candidates(settings)
     check_size(settings, len(scene.triangles), limits)

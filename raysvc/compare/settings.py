@@ -56,6 +56,14 @@ class ComparisonSettings(BaseModel):
     )
 
 
+def comparison_settings(values: Mapping[str, Any]) -> ComparisonSettings:
+    """Return checked settings. Raises InvalidSetting naming the first field that is wrong."""
+    camera = values.get("camera")
+    if isinstance(camera, Mapping):
+        values = {**values, "camera": checked(View, camera, "camera")}
+    return checked(ComparisonSettings, values, "")
+
+
 @dataclass(frozen=True, slots=True)
 class Candidate:
     """A structure with parameters, as it takes part in a comparison."""

@@ -117,7 +117,7 @@ def invalid_setting(error: ValidationError, where: str) -> InvalidSetting:
     """Say what pydantic found, in one sentence with the field's name."""
     fault = error.errors(include_url=False)[0]
     path = [str(part) for part in fault["loc"]]
-    name = ".".join([where, *path[:1]]) if path else where
+    name = ".".join(part for part in (where, *path[:1]) if part)
     if fault["type"] == "extra_forbidden":
         return InvalidSetting("unknown key", field=name)
     given = repr(fault.get("input"))

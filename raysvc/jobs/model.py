@@ -1,21 +1,16 @@
 """A job: what was asked for, and how far it is."""
 
-import hashlib
-import json
 import threading
 import time
 from collections.abc import Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass
 from enum import StrEnum
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, Generic, TypeVar
 
 from raysvc.errors import RaysvcError
-from raysvc.frame.settings import Settings
-from raysvc.frame.view import View
+from raysvc.jobs.requests import Request
 from raysvc.parallel import Control
-from raysvc.version import VERSION
 
 
 class JobState(StrEnum):
@@ -37,36 +32,16 @@ TRANSITIONS: Final[Mapping[JobState, frozenset[JobState]]] = MappingProxyType(
         JobState.CANCELLED: frozenset(),
     }
 )
-"""What may follow what; a queued job is done at once when its picture is already held."""
+"""What may follow what; a queued job is done at once when its result is already held."""
 
 
-@dataclass(frozen=True, slots=True)
-class RenderRequest:
-    """Everything that a picture depends on. Scene and environment are names in their stores."""
-
-    scene: str
-    environment: str | None
-    """None is the built-in sky."""
-    camera: View
-    settings: Settings
-
-    @property
-    def name(self) -> str:
-        """SHA-256 in hex of what decides the picture: not of threads, nor of patience."""
-        decisive = {
-            "version": VERSION,
-            "scene": self.scene,
-            "environment": self.environment,
-            "camera": self.camera.model_dump(mode="json"),
-            "settings": self.settings.model_dump(mode="json", exclude={"threads", "deadline_s"}),
-        }
-        return hashlib.sha256(json.dumps(decisive, sort_keys=True).encode()).hexdigest()
+Asked = TypeVar("Asked", bound=Request, covariant=True)
 
 
-class Job:
-    """One request on its way to a picture. Any thread may look; changes go through the methods."""
+class Job(Generic[Asked]):
+    """One request on its way to its result. Any thread may look; changes go through methods."""
 
-    def __init__(self, id: str, request: RenderRequest) -> None:
+    def __init__(self, id: str, request: Asked) -> None:
         self.id = id
         self.request = request
         self.state = JobState.QUEUED
@@ -97,13 +72,13 @@ class Job:
         self.stage, self.stage_fraction = stage, fraction
 
     def finish(self, statistics: Mapping[str, Any]) -> None:
-        """The picture is there."""
+        """The result is there."""
         with self._lock:
             self.statistics = statistics
             self._move(JobState.DONE)
 
     def fail(self, error: RaysvcError) -> None:
-        """There will be no picture, and why."""
+        """There will be no result, and why."""
         with self._lock:
             self.error = error
             self._move(JobState.FAILED)

@@ -5,6 +5,7 @@ from collections import deque
 
 from raysvc.errors import QueueFull
 from raysvc.jobs.model import Job, JobState
+from raysvc.jobs.requests import Request
 
 SHORTEST_RETRY_S = 1.0
 LONGEST_RETRY_S = 600.0
@@ -21,7 +22,7 @@ class JobQueue:
 
     def __init__(self, size: int) -> None:
         self._size = size
-        self._waiting: deque[Job] = deque()
+        self._waiting: deque[Job[Request]] = deque()
         self._changed = threading.Condition()
         self._closed = False
         self._mean_seconds = SHORTEST_RETRY_S
@@ -30,7 +31,7 @@ class JobQueue:
         with self._changed:
             return len(self._waiting)
 
-    def put(self, job: Job) -> None:
+    def put(self, job: Job[Request]) -> None:
         """Join the line. Raises QueueFull, which says when to try again."""
         with self._changed:
             self._forget_cancelled()
@@ -38,12 +39,12 @@ class JobQueue:
                 raise QueueFull("the service is shutting down", retry_after_s=SHORTEST_RETRY_S)
             if len(self._waiting) >= self._size:
                 raise QueueFull(
-                    f"{len(self._waiting)} renders are waiting already", self._retry_after_s()
+                    f"{len(self._waiting)} jobs are waiting already", self._retry_after_s()
                 )
             self._waiting.append(job)
             self._changed.notify()
 
-    def take(self) -> Job | None:
+    def take(self) -> Job[Request] | None:
         """Leave the line; waits until there is a job, and is None once the queue is closed."""
         with self._changed:
             while True:
@@ -54,7 +55,7 @@ class JobQueue:
                     return None
                 self._changed.wait()
 
-    def position(self, job: Job) -> int | None:
+    def position(self, job: Job[Request]) -> int | None:
         """How many jobs are before this one, or None if it is not waiting."""
         with self._changed:
             self._forget_cancelled()
@@ -65,7 +66,7 @@ class JobQueue:
         with self._changed:
             self._mean_seconds += 0.3 * (seconds - self._mean_seconds)
 
-    def close(self) -> list[Job]:
+    def close(self) -> list[Job[Request]]:
         """Let nobody in or out any more; returns the jobs that were still waiting."""
         with self._changed:
             self._closed = True

@@ -1,4 +1,4 @@
-"""What a worker asks for pictures: the contract, and a renderer that only paints a pattern."""
+"""What a service asks for pictures: the contract, and a renderer that only paints a pattern."""
 
 import io
 import time
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from raysvc.errors import InvalidSetting
-from raysvc.jobs.model import RenderRequest
+from raysvc.jobs.requests import RenderRequest
 from raysvc.parallel import Control
 from raysvc.version import VERSION
 

@@ -4,7 +4,7 @@ from raysvc.builtin import BUILTIN_SCENES
 from raysvc.frame.frame import Frame
 from raysvc.frame.render import render
 from raysvc.frame.view import View
-from raysvc.jobs.model import RenderRequest
+from raysvc.jobs.requests import RenderRequest
 from raysvc.jobs.store import ContentStore
 from raysvc.limits import Limits
 from raysvc.parallel import Control

@@ -1,30 +1,39 @@
-"""The thread that renders, one job at a time: the kernels below use all processors themselves."""
+"""The thread that does jobs, one at a time: the kernels below use all processors themselves, and
+nothing disturbs a measurement."""
 
 import logging
 import threading
 import time
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from raysvc.errors import Cancelled, RaysvcError
 from raysvc.jobs.model import Job
 from raysvc.jobs.queue import JobQueue
-from raysvc.jobs.renderer import Renderer
-from raysvc.jobs.results import Results
+from raysvc.jobs.requests import Request
 from raysvc.parallel import Control
 
 logger = logging.getLogger(__name__)
 
+Fulfil = Callable[[Request, Control], Mapping[str, Any]]
+"""Does what a request asks, keeps the result, and returns what there is to say about it."""
+
 
 class Worker:
-    """Warms the renderer up, then takes jobs until the queue is closed."""
+    """Warms up, then takes jobs until the queue is closed."""
 
     def __init__(
-        self, queue: JobQueue, renderer: Renderer, results: Results, deadline_s: float | None
+        self,
+        queue: JobQueue,
+        fulfil: Fulfil,
+        warm_up: Callable[[], None],
+        deadline_s: float | None,
     ) -> None:
         self.warm = threading.Event()
         """Set once the first frame would not have to wait for the compiler."""
         self._queue = queue
-        self._renderer = renderer
-        self._results = results
+        self._fulfil = fulfil
+        self._warm_up = warm_up
         self._deadline_s = deadline_s
         self._thread = threading.Thread(target=self._run, name="raysvc-worker", daemon=True)
 
@@ -40,24 +49,22 @@ class Worker:
 
     def _run(self) -> None:
         try:
-            self._renderer.warm_up()
+            self._warm_up()
             self.warm.set()
         except Exception:
-            logger.exception("the renderer could not be warmed up; this service will not get ready")
+            logger.exception("warming up failed; this service will not get ready")
         while (job := self._queue.take()) is not None:
-            self._render(job)
+            self._do(job)
 
-    def _render(self, job: Job) -> None:
-        settings = job.request.settings
-        deadline_s = settings.deadline_s or self._deadline_s
-        control = Control(settings.threads, deadline_s, job.report)
+    def _do(self, job: Job[Request]) -> None:
+        request = job.request
+        deadline_s = request.deadline_s or self._deadline_s
+        control = Control(request.threads, deadline_s, job.report)
         if not job.start(control):
             return
         began = time.monotonic()
         try:
-            picture = self._renderer.render(job.request, control)
-            statistics = picture.statistics.to_dict()
-            self._results.put(job.request.name, picture)
+            statistics = self._fulfil(request, control)
         except Cancelled:
             job.stop()
         except RaysvcError as error:
@@ -65,7 +72,7 @@ class Worker:
         except MemoryError:
             job.fail(RaysvcError("there was not enough memory"))
         except Exception:
-            logger.exception("render %s failed", job.id)
+            logger.exception("%s %s failed", request.kind, job.id)
             job.fail(RaysvcError("an internal error; the service's log says more"))
         else:
             job.finish(statistics)

@@ -56,9 +56,9 @@ def test_old_jobs_are_forgotten_and_running_ones_are_not(service: RenderService)
         some = service.submit(request(service, width=width))
         some.finished.result(5)
         ids.append(some.id)
-    assert service.job(ids[-1]).id == ids[-1]
+    assert service.job(ids[-1], RenderRequest).id == ids[-1]
     with pytest.raises(NotFound):
-        service.job(ids[0])
+        service.job(ids[0], RenderRequest)
 
 
 def test_a_picture_that_is_not_there_yet_or_no_longer_is_said_to_be_so(tmp_path: Path) -> None:

@@ -1,10 +1,21 @@
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 import pytest
 
 from raysvc.errors import DeadlineExceeded, InvalidScene
-from raysvc.jobs import Job, JobQueue, JobState, PatternRenderer, Results, Worker
+from raysvc.jobs import (
+    Job,
+    JobQueue,
+    JobState,
+    PatternRenderer,
+    RenderRequest,
+    Request,
+    Results,
+    Worker,
+)
+from raysvc.parallel import Control
 from tests.jobs.requests import job
 
 Start = Callable[[PatternRenderer], tuple[JobQueue, Results]]
@@ -16,7 +27,14 @@ def start() -> Iterator[Start]:
 
     def begin(renderer: PatternRenderer) -> tuple[JobQueue, Results]:
         queue, results = JobQueue(8), Results(1 << 20)
-        worker = Worker(queue, renderer, results, deadline_s=None)
+
+        def fulfil(request: Request, control: Control) -> Mapping[str, Any]:
+            assert isinstance(request, RenderRequest)
+            picture = renderer.render(request, control)
+            results.put(request.name, picture)
+            return picture.statistics.to_dict()
+
+        worker = Worker(queue, fulfil, renderer.warm_up, deadline_s=None)
         worker.start()
         queues.append((queue, worker))
         return queue, results

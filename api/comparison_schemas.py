@@ -1,0 +1,57 @@
+"""What is asked of comparisons, and what their answers look like."""
+
+from typing import Any
+
+from pydantic import ConfigDict, Field
+
+from api.schemas import JobResource, job_fields
+from raysvc.compare.settings import ComparisonSettings
+from raysvc.jobs import ComparisonRequest, Job
+
+
+class ComparisonBody(ComparisonSettings):
+    """Asks for acceleration structures to be measured."""
+
+    model_config = ConfigDict(title="ComparisonBody")
+
+    scene: str = Field(description="A scene's id, or `builtin:NAME`.")
+
+
+class ComparisonResource(JobResource):
+    """A comparison: how far it is, and what was measured. Figures are null until it is done."""
+
+    progress: float = Field(description="How much of everything is done, 0..1; 1 when done.")
+    scene: str
+    settings: dict[str, Any]
+    rays: dict[str, Any] = Field(description="`kind`, `count`, `seed`.")
+    query: str | None = Field(None, description="`nearest` or `occluded`.")
+    triangles: int | None = None
+    materials: int | None = None
+    threads: int | None = Field(None, description="What `all_threads` means.")
+    rounds: int | None = None
+    structures: list[dict[str, Any]] | None = Field(
+        None, description="`name`, `trees`, `build`, `traversal` of each."
+    )
+    steps: dict[str, str] | None = Field(None, description="What a node step is, by structure.")
+    scaling: dict[str, Any] | None = None
+    talk_2009: dict[str, Any] | None = Field(
+        None, description="The talk's figures, for its scene with a tree per material."
+    )
+    machine: dict[str, Any] | None = None
+    seconds: float | None = None
+    renderer_version: str | None = None
+
+
+def comparison_resource(job: Job[ComparisonRequest], position: int | None) -> ComparisonResource:
+    """Present a comparison."""
+    settings = job.request.settings
+    links = {"table": "table.csv", "chart": "chart.svg"}
+    if settings.heat_map:
+        links["heat_map"] = "heat_map.png"
+    known = job_fields(job, position, links)
+    figures = dict(job.statistics) if job.statistics is not None else {}
+    figures |= {
+        "scene": job.request.scene,
+        "rays": {"kind": settings.rays, "count": settings.count, "seed": settings.seed},
+    }
+    return ComparisonResource(**known, settings=settings.model_dump(mode="json"), **figures)
