@@ -26,7 +26,7 @@ class Settings(BaseModel):
         "hybrid",
         description="`hybrid`: rasterise what is seen, trace reflections, shadows and occlusion.",
     )
-    structure: Literal["auto", "embree", "bvh", "bvh_stackless", "brute"] = Field(
+    structure: Literal["auto", "embree", "bvh", "bvh_stackless", "kd", "bih", "brute"] = Field(
         "auto",
         description="What answers rays, by its name in the registry; `auto` is the fastest known.",
     )
