@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from raysvc.accel import bvh_kernels
 from raysvc.accel.base import Rays, Triangles
-from raysvc.accel.binary_tree import BinaryTree, sah_tree
+from raysvc.accel.binary_tree import BinaryTree, TreeShape, sah_tree
 from raysvc.accel.bvh_kernels import LEAF, NODE_WORDS, BvhArrays
 from raysvc.accel.corner_kernels import TRIANGLE_BYTES
 from raysvc.accel.queries import Queries, QueryKernels
@@ -76,6 +76,10 @@ class Bvh:
             nodes.nbytes,
             self.tree.order.nbytes,
         )
+
+    def shape(self) -> TreeShape:
+        """Return the boxes and their triangles, for measures."""
+        return self.tree
 
     def nearest_triangle(self, rays: Rays) -> Ints:
         """(R,) int32: the first triangle along each ray, the lowest number where several tie, or

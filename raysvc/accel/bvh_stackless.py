@@ -8,7 +8,7 @@ from pydantic import Field
 
 from raysvc.accel import stackless_kernels as kernels
 from raysvc.accel.base import Rays, Triangles
-from raysvc.accel.binary_tree import BinaryTree
+from raysvc.accel.binary_tree import BinaryTree, TreeShape
 from raysvc.accel.bvh import BvhParams, aligned, tree_of
 from raysvc.accel.corner_kernels import TRIANGLE_BYTES
 from raysvc.accel.queries import Queries, QueryKernels
@@ -74,6 +74,10 @@ class BvhStackless:
             nodes.nbytes,
             self.tree.order.nbytes,
         )
+
+    def shape(self) -> TreeShape:
+        """Return the boxes and their triangles, for measures."""
+        return self.tree
 
     def nearest_triangle(self, rays: Rays) -> Ints:
         """(R,) int32: the first triangle along each ray, the lowest where several tie, or -1."""

@@ -45,17 +45,13 @@ def _cut(
 
 
 @kernel
-def clip_bounds(
-    corners: Floats, at: int, box: Doubles, polygon: Doubles, other: Doubles, bounds: Floats
-) -> bool:
-    """Narrow bounds (6,) to those of the triangle at corners[at] inside box (6,); False if none is.
+def clip_to_box(corners: Floats, at: int, box: Doubles, polygon: Doubles, other: Doubles) -> int:
+    """Fill polygon with the part of the triangle at corners[at] in box (6,); return its corners.
 
-    polygon and other (POLYGON,) are scratch. Bounds are rounded outwards, and never grow.
+    polygon and other (POLYGON,) are scratch; 0 corners if nothing is inside.
     """
-    size = 0.0
     for k in range(9):
         polygon[k] = np.float64(corners[at + k])
-        size = max(size, abs(polygon[k]))
     count = 3
     for axis in range(3):
         for side in range(2):
@@ -66,10 +62,25 @@ def clip_bounds(
                 outside = outside or sign * (polygon[3 * n + axis] - plane) < 0.0
             if outside:
                 count = _cut(polygon, count, axis, plane, sign, other)
-                if count == 0:
-                    return False
                 for k in range(3 * count):
                     polygon[k] = other[k]
+    return count
+
+
+@kernel
+def clip_bounds(
+    corners: Floats, at: int, box: Doubles, polygon: Doubles, other: Doubles, bounds: Floats
+) -> bool:
+    """Narrow bounds (6,) to those of the triangle at corners[at] inside box (6,); False if none is.
+
+    polygon and other (POLYGON,) are scratch. Bounds are rounded outwards, and never grow.
+    """
+    count = clip_to_box(corners, at, box, polygon, other)
+    if count == 0:
+        return False
+    size = 0.0
+    for k in range(9):
+        size = max(size, abs(np.float64(corners[at + k])))
     margin = ROUNDING * size
     for axis in range(3):
         low, high = np.inf, -np.inf
@@ -84,3 +95,22 @@ def clip_bounds(
         bounds[axis] = max(bounds[axis], below)
         bounds[3 + axis] = min(bounds[3 + axis], above)
     return True
+
+
+@kernel
+def area_of(polygon: Doubles, count: int) -> float:
+    """Area of a flat convex polygon of so many corners."""
+    x = y = z = 0.0
+    for n in range(1, count - 1):
+        ax, ay, az = (
+            polygon[3 * n] - polygon[0],
+            polygon[3 * n + 1] - polygon[1],
+            polygon[3 * n + 2] - polygon[2],
+        )
+        bx, by, bz = (
+            polygon[3 * n + 3] - polygon[0],
+            polygon[3 * n + 4] - polygon[1],
+            polygon[3 * n + 5] - polygon[2],
+        )
+        x, y, z = x + ay * bz - az * by, y + az * bx - ax * bz, z + ax * by - ay * bx
+    return float(0.5 * np.sqrt(x * x + y * y + z * z))
