@@ -1,8 +1,9 @@
 """More samples where the picture has edges.
 
-Every sample of a pixel asks by a ray what it shows. On edges, samples that show the same
-triangle share one shading: coverage is what makes edges jagged, and shading is what costs (as
-in hardware's multisampling: Akeley 1993, "RealityEngine Graphics"). Full anti-aliasing shades all.
+Every sample of a pixel asks by a ray what it shows. On edges, samples that show the same triangle
+share one shading, that of the pixel's centre if it is there: coverage is what makes edges jagged,
+and shading is what costs (as in hardware's multisampling: Akeley 1993, "RealityEngine Graphics").
+Full anti-aliasing shades all.
 """
 
 import numpy as np
@@ -60,60 +61,47 @@ def sample_offsets(count: int) -> Doubles:
 def _sampled(draft: Draft, pixel: Longs) -> Floats:
     """Premultiplied RGBA (P, 4), each the mean of a pixel's samples."""
     samples = draft.settings.aa_samples
-    row, directions, hits = _hits_of_samples(draft, pixel)
-    first = group = np.arange(len(row))
+    every = np.repeat(pixel, samples)
+    within = np.tile(sample_offsets(samples), (len(pixel), 1))
+    draft.ledger.count("primary", len(every))
+    row, directions, hits = traced(draft.prepared, draft.camera, every, within)
+
+    radiance = np.empty((len(row), 3), np.float32)
+    alpha = np.empty(len(row), np.float32)
+    new = np.arange(len(row))
+    first = group = new
     if draft.settings.aa == "edges":
-        first, group = _shared(row // samples, hits.triangle)
+        at_centre = draft.front[every[row]]
+        known = (at_centre >= 0) & (draft.points.triangle[at_centre] == hits.triangle)
+        radiance[known] = draft.radiance[at_centre[known]]
+        alpha[known] = draft.points.surface.alpha[at_centre[known]]
+        new = np.flatnonzero(~known)
+        first, group = _shared(row[new] // samples, hits.triangle[new])
+    chosen = new[first]
     points = evaluated(
         draft.prepared,
         draft.camera,
-        pixel[row[first] // samples],
-        directions[first],
-        Hits(hits.t[first], hits.triangle[first], hits.barycentric[first]),
+        every[row[chosen]],
+        directions[chosen],
+        Hits(hits.t[chosen], hits.triangle[chosen], hits.barycentric[chosen]),
         draft.settings.texture_filter,
     )
-    surface, illumination = points.surface, draft.illumination
-    radiance = illumination.combined(
-        surface,
-        illumination.direct(surface),
-        _visible_at(draft, points),
-        illumination.reflection(surface, points.footprint, draft.settings.bounces),
-    )
-    rgba = composite(
-        draft.prepared,
-        draft.camera,
-        draft.settings,
-        np.repeat(pixel, samples),
-        row,
-        radiance[group],
-        surface.alpha[group],
-    )
+    radiance[new] = _shaded(draft, points)[group]
+    alpha[new] = points.surface.alpha[group]
+
+    rgba = composite(draft.prepared, draft.camera, draft.settings, every, row, radiance, alpha)
     mean: Floats = rgba.reshape(len(pixel), samples, 4).mean(axis=1, dtype=np.float32)
     return mean
 
 
-def _hits_of_samples(draft: Draft, pixel: Longs) -> tuple[Longs, Floats, Hits]:
-    """Hits of all samples of pixels (P,): row (N,) = place * samples + sample, ascending."""
-    samples = draft.settings.aa_samples
-    draft.ledger.count("primary", len(pixel) * samples)
-    rows, directions, found = [], [], []
-    for number, (dx, dy) in enumerate(sample_offsets(samples)):
-        draft.control.check()
-        camera = draft.camera.shifted(float(dx), float(dy))
-        place, towards, hits = traced(draft.prepared, camera, pixel)
-        rows.append(place * samples + number)
-        directions.append(towards)
-        found.append(hits)
-    row = np.concatenate(rows)
-    order = np.argsort(row, kind="stable")
-    return (
-        row[order],
-        np.concatenate(directions)[order],
-        Hits(
-            np.concatenate([hits.t for hits in found])[order],
-            np.concatenate([hits.triangle for hits in found])[order],
-            np.concatenate([hits.barycentric for hits in found])[order],
-        ),
+def _shaded(draft: Draft, points: Points) -> Floats:
+    """(N, 3) radiance of points beside pixel centres."""
+    surface, illumination = points.surface, draft.illumination
+    return illumination.combined(
+        surface,
+        illumination.direct(surface),
+        _visible_at(draft, points),
+        illumination.reflection(surface, points.footprint, draft.settings.bounces),
     )
 
 

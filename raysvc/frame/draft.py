@@ -37,6 +37,8 @@ class Draft:
     """(N,) ambient visibility."""
     visibility: VisibilityPicture = field(init=False)
     reflection: Reflection = field(init=False)
+    radiance: Floats = field(init=False)
+    """(N, 3) that leaves the points."""
     beauty: Floats = field(init=False)
     """(H, W, 4) premultiplied linear RGBA."""
     layers: dict[str, NDArray[Any]] = field(default_factory=dict)

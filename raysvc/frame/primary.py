@@ -11,7 +11,7 @@ from raysvc.raster.rasterise import Raster
 from raysvc.raster.spans import Fragments
 from raysvc.scene import Camera
 from raysvc.shading.surface import Surface
-from raysvc.types import Bools, Floats, Ints, Longs
+from raysvc.types import Bools, Doubles, Floats, Ints, Longs
 
 CHUNK = 1 << 14
 
@@ -83,13 +83,15 @@ def points_of(
     )
 
 
-def traced(prepared: Prepared, camera: Camera, pixel: Longs) -> tuple[Longs, Floats, Hits]:
-    """What a few pixels (P,) show, found by rays.
+def traced(
+    prepared: Prepared, camera: Camera, pixel: Longs, within: Doubles
+) -> tuple[Longs, Floats, Hits]:
+    """What pixels (P,) show at places within them (P, 2), found by rays; see `Camera.rays`.
 
     Returns the place in `pixel` of each of N hits, in order and from near to far; the direction
     (N, 3) of its ray; and the hits.
     """
-    origins, directions = camera.rays(pixel)
+    origins, directions = camera.rays(pixel, within)
     rays = Rays(origins, directions, np.full(len(pixel), np.inf, np.float32))
     place, hits = prepared.world.along(rays)
     return place, directions[place], hits

@@ -161,7 +161,7 @@ def light(draft: Draft) -> None:
             reflection,
         )
 
-    radiance = draft.each(some, "light", (3,))
+    draft.radiance = radiance = draft.each(some, "light", (3,))
     pixel = np.arange(len(draft.front))
     row = points.pixel
     starts = np.searchsorted(row, np.arange(0, len(pixel) + CHUNK, CHUNK))

@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from raysvc.types import Doubles, Floats
+from raysvc.types import Doubles, Floats, Longs
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,13 +64,16 @@ class Camera:
         """Height of a pixel at view depth 1 (perspective) or anywhere (orthographic)."""
         return 2.0 * self.half_height / self.height
 
-    def rays(self, pixels: np.ndarray[tuple[int], np.dtype[np.int64]]) -> tuple[Floats, Floats]:
+    def rays(self, pixels: Longs, within: Doubles | None = None) -> tuple[Floats, Floats]:
         """Origins and unit directions of rays through pixels.
 
         Parameters
         ----------
         pixels
             (N,) int64 flat indices, row * width + col
+        within
+            (N, 2) where in its pixel each ray goes, from the centre (x to the right, y down), in
+            addition to the camera's own offset; the centre by default
 
         Returns
         -------
@@ -78,8 +81,9 @@ class Camera:
         """
         rows, cols = np.divmod(pixels, self.width)
         scale = self.metres_per_pixel_at_unit_depth
-        x = (cols + 0.5 + self.offset_px[0] - 0.5 * self.width) * scale
-        y = (0.5 * self.height - rows - 0.5 - self.offset_px[1]) * scale
+        dx, dy = self.offset_px if within is None else (within + self.offset_px).T
+        x = (cols + (0.5 - 0.5 * self.width) + dx) * scale
+        y = ((0.5 * self.height - 0.5) - rows - dy) * scale
         right, up, forward = (
             self.world_from_camera[:3, 0],
             self.world_from_camera[:3, 1],
