@@ -24,6 +24,7 @@ def mesh(
     material_of_triangle=None,
     object_of_triangle=None,
     textures=(),
+    lights=(),
 ):
     """A scene from whatever is given of it; normals are those of the last triangle at a vertex."""
     positions = np.ascontiguousarray(positions, np.float32).reshape(-1, 3)
@@ -57,6 +58,7 @@ def mesh(
         ),
         materials=tuple(materials),
         textures=tuple(textures),
+        lights=tuple(lights),
     )
 
 

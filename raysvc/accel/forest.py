@@ -161,7 +161,7 @@ def _areas(parts: Sequence[Triangles]) -> Doubles:
 
 def _joined(trees: Sequence[Accelerator], areas: Doubles, triangles: int) -> BuildReport:
     """Reports of trees as one: sums, greatest depth, means over leaves, and the cost of a ray that
-    meets the box of everything. EPO and LCV are of one tree and not joined."""
+    meets the box of everything. EPO and LCV are measured elsewhere."""
     reports = [tree.report for tree in trees]
     seconds = sum(report.build_ms for report in reports)
     if any(report.leaves is None for report in reports):

@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from raysvc.accel.quality import quality_of, with_quality
 from raysvc.compare.contenders import Contender
 from raysvc.compare.heat_map import HeatMap, heat_map
 from raysvc.compare.machine import machine
@@ -119,8 +120,11 @@ class _Work:
         contenders = [each for each, _ in built]
         low, high = self._scene.bounds()
         diagonal = float(np.linalg.norm(high - low)) or 1.0
-        counters, hits = [], []
+        counters, hits, reports = [], [], []
         for each in contenders:
+            self._steps.next(f"judging {each.label}")
+            quality = quality_of(each.structure, each.triangles)
+            reports.append(with_quality(each.structure.report, quality))
             self._steps.next(f"counting {each.label}")
             counters.append(each.count(asked.rays, asked.query, self._control))
             hits.append(each.hits(asked.rays, asked.query, diagonal, self._control))
@@ -129,7 +133,7 @@ class _Work:
             StructureFigures(
                 name=each.candidate.label,
                 trees=each.trees,
-                build=build_figures(each.structure.report, build_ms),
+                build=build_figures(reports[place], build_ms),
                 traversal=traversal_figures(
                     each,
                     counters[place],
@@ -211,7 +215,7 @@ class _Work:
         """How often a step begins."""
         settings, contenders = self._settings, len(self._chosen) * len(self._trees)
         turns = settings.rounds + 1
-        each = settings.builds + 1 + turns * len(self._threads) + settings.heat_map
+        each = settings.builds + 2 + turns * len(self._threads) + settings.heat_map
         if settings.scaling:
             each += len(PARTS) * (1 + turns) + turns * len(self._all_threads)
         return 1 + contenders * each

@@ -4,6 +4,7 @@ Structures take turns within every round, so that a machine that is busy for a w
 them; the median over rounds counts. One measurement runs at a time in a process.
 """
 
+import math
 import statistics
 import threading
 import time
@@ -117,9 +118,11 @@ def _pace(count: int, seconds: Sequence[float]) -> Pace:
 
 
 def build_figures(report: BuildReport, build_ms: float) -> BuildFigures:
-    """The tree's figures, with the median time of several builds."""
+    """The tree's figures, with the median time of several builds; None for what is not finite."""
     names = [field.name for field in fields(BuildFigures) if field.name != "build_ms"]
-    return BuildFigures(**{name: getattr(report, name) for name in names}, build_ms=build_ms)
+    values = {name: getattr(report, name) for name in names}
+    seen = {n: v if v is not None and math.isfinite(v) else None for n, v in values.items()}
+    return BuildFigures(**seen, build_ms=build_ms)
 
 
 def traversal_figures(

@@ -40,6 +40,8 @@ QUERY_OF: Final[dict[RayKind, Query]] = {
 
 TILE: Final = 8
 CHUNK: Final = 1 << 14
+FEWEST_PIXELS: Final = 1 << 12
+"""A coarser picture might miss what the camera sees."""
 MOST_ROUNDS: Final = 64
 """A camera whose picture is emptier than one part in so many has too little to reflect off."""
 BEFORE_LIGHT: Final = np.float32(0.9999)
@@ -90,7 +92,8 @@ def ray_set(
             leave = _Diffuse(rng)
         else:
             leave = _Shadow(_light_of(scene))
-        rays = _leaving(scene, _resized(camera, count), count, rng, leave, control)
+        view = _resized(camera, max(count, FEWEST_PIXELS))
+        rays = _leaving(scene, view, count, rng, leave, control)
     return RaySet(kind, seed, rays)
 
 
@@ -160,10 +163,12 @@ def _leaving(
         parts.append(leave(Surface.joined(surfaces)))
         found += len(parts[-1])
         if found >= count:
+            # Evenly spaced ones, so that the last come from the bottom of the picture.
+            kept = np.arange(count) * found // count
             return Rays(
-                np.concatenate([part.origins for part in parts])[:count],
-                np.concatenate([part.directions for part in parts])[:count],
-                np.concatenate([part.t_max for part in parts])[:count],
+                np.concatenate([part.origins for part in parts])[kept],
+                np.concatenate([part.directions for part in parts])[kept],
+                np.concatenate([part.t_max for part in parts])[kept],
             )
         if not found:
             break

@@ -32,7 +32,9 @@ class BuildFigures:
     tree_mib: float | None
     sah_cost: float | None
     epo: float | None
+    """End-point overlap, of a single tree; see `raysvc.accel.quality`."""
     lcv: float | None
+    """Leaf count variability, over 16,384 random rays whatever the rays of the comparison."""
     build_ms: float
 
 

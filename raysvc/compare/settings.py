@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from raysvc.accel.registry import STRUCTURES, choose
 from raysvc.compare.ray_sets import RayKind
-from raysvc.errors import InvalidSetting, LimitExceeded
+from raysvc.errors import InvalidSetting, LimitExceeded, Unavailable
 from raysvc.frame.settings import checked
 from raysvc.frame.view import View
 from raysvc.limits import Limits
@@ -110,7 +110,10 @@ def check_size(settings: ComparisonSettings, triangles: int, limits: Limits) -> 
 
 def _candidate(label: str) -> Candidate:
     name, *assignments = label.split(":")
-    name = choose(name)
+    try:
+        name = choose(name)
+    except (InvalidSetting, Unavailable) as error:
+        raise type(error)(error.message, field="structures") from None
     parameters: dict[str, Any] = {}
     for assignment in assignments:
         key, equals, text = assignment.partition("=")

@@ -1,0 +1,80 @@
+import json
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from raysvc.cli.app import run
+
+Capture = pytest.CaptureFixture[str]
+COMPARE = ["compare", "builtin:cornell", "--count", "200", "--rounds", "1"]
+
+
+def test_structures_are_compared_into_files(tmp_path: Path, capsys: Capture) -> None:
+    figures, chart, costs = tmp_path / "f.json", tmp_path / "c.svg", tmp_path / "h.png"
+    words = [*COMPARE, "--rays", "diffuse", "--seed", "3", "--structures", "embree,bvh:max_leaf=2"]
+    words += ["--trees", "per_material", "--size", "32x24", "-o", str(figures)]
+    assert run([*words, "--chart", str(chart), "--heat-map", str(costs)]) == 0
+    measured = json.loads(figures.read_text())
+    assert measured["scene"] == "builtin:cornell"
+    assert measured["rays"] == {"kind": "diffuse", "count": 200, "seed": 3}
+    assert [(s["name"], s["trees"]) for s in measured["structures"]] == [
+        ("embree", "per_material"),
+        ("bvh:max_leaf=2", "per_material"),
+    ]
+    assert "<svg" in chart.read_text()
+    Image.open(costs).verify()
+    shown = capsys.readouterr()
+    assert "bvh" in shown.out
+    assert shown.err == ""
+
+
+@pytest.mark.parametrize("suffix", ["csv", "md"])
+def test_the_suffix_names_the_table(suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"figures.{suffix}"
+    assert run([*COMPARE, "--structures", "brute", "-o", str(path)]) == 0
+    assert "brute" in path.read_text()
+
+
+def test_structures_are_benchmarked(tmp_path: Path, capsys: Capture) -> None:
+    path = tmp_path / "b.json"
+    words = ["bench", "structures", "--scene", "builtin:cornell", "--count", "100"]
+    assert run([*words, "--rounds", "1", "--json", str(path)]) == 0
+    assert json.loads(path.read_text())["results"]
+    assert "embree" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (["--rays", "purple"], "error: rays: "),
+        (["--count", "0"], "error: count: "),
+        (["--structures", "quadtree"], "error: structures: unknown structure 'quadtree'"),
+        (["--structures", "bvh,bvh"], "error: structures: "),
+        (["--trees", "two"], "error: trees: "),
+        (["-o", "figures.xls"], "error: --output: must end in .json .csv .md"),
+        (["--chart", "chart.gif"], "error: --chart: must end in .svg .png"),
+        (["--heat-map", "nowhere/costs.png"], "error: --heat-map: there is no folder"),
+        (["--count", "20000000"], "error: count: must be at most 10,000,000"),
+        (["--structures", "brute", "--count", "2000000"], "error: structures: brute tests"),
+        (["--structures", "embree", "--heat-map", "costs.png"], "error: --heat-map: no structure"),
+    ],
+)
+def test_wrong_input_ends_with_2_and_one_line(
+    words: list[str],
+    complaint: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: Capture,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(["compare", "builtin:cornell", "--rounds", "1", *words]) == 2
+    shown = capsys.readouterr()
+    assert shown.err.startswith(complaint)
+    assert shown.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_unknown_benchmark_is_refused(capsys: Capture) -> None:
+    assert run(["bench", "smell"]) == 2
+    assert capsys.readouterr().err.startswith("error: NAME: unknown benchmark 'smell'")
