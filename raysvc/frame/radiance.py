@@ -70,7 +70,7 @@ class Illumination:
             radius_rad = light.angular_radius_rad if isinstance(light, SunLight) else 0.0
             radiance = reflected(surface, to_light, irradiance, radius_rad)
             if self._settings.shadows:
-                lit = np.flatnonzero(radiance.any(axis=1))
+                lit = np.flatnonzero(np.einsum("nk->n", radiance))
                 towards = surface.chosen(lit)
                 # A ray that starts off the surface must not pass a light that is near it.
                 rays = rays_from(towards, to_light[lit], distance[lit] * np.float32(0.9999))

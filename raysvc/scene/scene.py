@@ -1,6 +1,6 @@
 """The scene: one set of world-space triangles with everything needed to shade them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -53,6 +53,7 @@ class Scene:
     cameras: tuple[SceneCamera, ...] = ()
     name: str = ""
     warnings: tuple[str, ...] = ()
+    _bounds: Doubles = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         vertices, triangles = len(self.positions), len(self.triangles)
@@ -80,6 +81,7 @@ class Scene:
             array.setflags(write=False)
         _check_indices(self.triangles, vertices, "triangles")
         _check_indices(self.material_of_triangle, len(self.materials), "material_of_triangle")
+        object.__setattr__(self, "_bounds", _bounds_of(self.positions, self.triangles))
         for number, material in enumerate(self.materials):
             if not all(np.isfinite(material.numbers())):
                 raise InvalidScene("has NaN or infinite values", f"materials[{number}]")
@@ -92,12 +94,17 @@ class Scene:
                     )
 
     def bounds(self) -> Doubles:
-        """(2, 3) float64 least and greatest corner of the triangles; a unit box about 0 if there
-        are none."""
-        if not len(self.triangles):
-            return np.array([[-0.5] * 3, [0.5] * 3])
-        used = self.positions[self.triangles.reshape(-1)]
-        return np.stack([used.min(axis=0), used.max(axis=0)]).astype(np.float64)
+        """(2, 3) float64 least and greatest corner of the triangles; a unit box about 0 if none."""
+        return self._bounds
+
+
+def _bounds_of(positions: Floats, triangles: Ints) -> Doubles:
+    if not len(triangles):
+        return np.array([[-0.5] * 3, [0.5] * 3])
+    used = np.zeros(len(positions), np.bool_)
+    used[triangles] = True
+    corners = positions[used]
+    return np.stack([corners.min(axis=0), corners.max(axis=0)]).astype(np.float64)
 
 
 def _check_indices(indices: Ints, count: int, name: str) -> None:

@@ -69,9 +69,9 @@ def visibility(
         directions,
     )
     rays = Rays(origins, directions, np.full(count, radius_m, np.float32))
-    free = world.transmittance(rays).reshape(len(surface), len(samples))
-    mean: Floats = free.mean(axis=1, dtype=np.float32)
-    return mean
+    through = world.transmittance(rays).reshape(len(surface), len(samples))
+    free: Floats = np.einsum("nk->n", through) / np.float32(len(samples))
+    return free
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ from tests.frame.subjects import still_life
 
 def changed(**values) -> Scene:
     scene = still_life()
-    kept = {f.name: getattr(scene, f.name) for f in fields(Scene)}
+    kept = {f.name: getattr(scene, f.name) for f in fields(Scene) if f.init}
     return Scene(**(kept | values))
 
 

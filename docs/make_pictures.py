@@ -1,0 +1,53 @@
+"""Draws the pictures of README.md and docs/how_it_works.md: `python -m docs.make_pictures`."""
+
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+import raysvc
+from raysvc.imaging.layer_picture import layer_picture
+
+IMAGES = Path(__file__).parent / "images"
+STRIP = ("albedo", "normal", "depth", "id", "occlusion", "edge")
+ENVIRONMENTS = ("clear_sky", "studio", "gradient")
+
+
+def hero() -> None:
+    """The park, as README shows it."""
+    scene = raysvc.load("builtin:torus_park")
+    view = {"gltf_camera": "default", "width": 640, "height": 360}
+    frame = raysvc.render(scene, camera=view, settings={"aa": "full"})
+    _save("torus_park", frame.display()[..., :3])
+
+
+def layers() -> None:
+    """What is known of each pixel, for one frame."""
+    scene = raysvc.load("builtin:shiny")
+    frame = raysvc.render(scene, camera={"gltf_camera": "default", "width": 320, "height": 180})
+    pictures = [layer_picture(name, frame.layers[name]) for name in STRIP]
+    rows = [np.hstack(pictures[:3]), np.hstack(pictures[3:])]
+    _save("layers", np.vstack(rows))
+
+
+def environments() -> None:
+    """One scene under every built-in environment."""
+    scene = raysvc.load("builtin:shiny")
+    view = {"gltf_camera": "default", "width": 320, "height": 180, "aperture_radius": 0.05}
+    pictures = [
+        raysvc.render(
+            scene, raysvc.load_environment(f"builtin:{name}"), view, {"aa": "full", "bounces": 3}
+        ).display()[..., :3]
+        for name in ENVIRONMENTS
+    ]
+    _save("environments", np.hstack(pictures))
+
+
+def _save(name: str, picture: np.ndarray) -> None:
+    Image.fromarray(picture).save(IMAGES / f"{name}.png", optimize=True)
+
+
+if __name__ == "__main__":
+    hero()
+    layers()
+    environments()

@@ -1,0 +1,40 @@
+"""The Python examples of README.md and docs/ run as they are written."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def examples(page: str) -> list[str]:
+    return re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+def test_examples_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    found = examples(page)
+    assert found
+    scope: dict[str, object] = {}
+    for example in found:
+        # Small pictures: what is tested is that the names and calls are right.
+        small = example.replace('"width": 800, "height": 450', '"width": 80, "height": 45')
+        small = small.replace('open("shiny.exr", "wb").write(', "len(")
+        exec(compile(small, page, "exec"), scope)
+
+
+def test_links_of_the_pages_lead_somewhere() -> None:
+    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    for page in pages:
+        for target in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_every_public_name_is_described() -> None:
+    import raysvc
+
+    text = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    for name in set(raysvc.__all__) - {"__version__"}:
+        assert f"| `{name}" in text, name
