@@ -119,11 +119,15 @@ def _trace(
                     triangle = f
                     if any_hit:
                         break
-            if top == 0 or (any_hit and triangle != NONE):
+            if any_hit and triangle != NONE:
                 break
-            top -= 1
+            # Cells wait in the order in which the ray enters them, but for those on both sides of a
+            # plane in which it lies.
+            searching = False
+            while top > 0 and not searching:
+                top -= 1
+                searching = enters[top] <= best * MORE
             node, enter, leave = stack[top], enters[top], exits[top]
-            searching = enter <= best * MORE
         found[r] = triangle if triangle != NONE else -1
 
 
