@@ -121,7 +121,7 @@ def _trace(
             while top > 0 and not searching:
                 top -= 1
                 searching = enters[top] <= best * MORE
-            node, enter, leave = stack[top], enters[top], exits[top]
+            node, enter, leave = stack[top], enters[top], min(exits[top], best * MORE)
         found[r] = triangle if triangle != NONE else -1
 
 

@@ -104,18 +104,18 @@ def _trace(
                 a, b = (nodes[at + out_z] - oz) * rz, (nodes[at + out_z + 1] - oz) * rz
                 far_0, far_1 = (a if a < far_0 else far_0), (b if b < far_1 else far_1)
                 meets_0, meets_1 = near_0 <= far_0 * SLACK, near_1 <= far_1 * SLACK
-                if meets_0 or meets_1:
-                    # Without branches that no predictor could foresee: the other child is always
-                    # written above the stack, and only counts if both are met.
-                    both = meets_0 and meets_1
-                    second = int(meets_1 and not (meets_0 and near_0 <= near_1))
-                    stack[top + 1] = links[at + 13 - second]
-                    stack_t[top + 1] = max(near_0, near_1)
-                    top += int(both)
-                    link = links[at + 12 + second]
-                    if counting and both:
+                if meets_0 and meets_1:
+                    second = near_1 < near_0
+                    top += 1
+                    stack[top] = links[at + 12] if second else links[at + 13]
+                    stack_t[top] = near_0 if second else near_1
+                    link = links[at + 13] if second else links[at + 12]
+                    if counting:
                         counts[r, 4] += 1
                         counts[r, 5] = max(counts[r, 5], top)
+                    continue
+                if meets_0 or meets_1:
+                    link = links[at + 12] if meets_0 else links[at + 13]
                     continue
             else:
                 leaf = ~link & NONE
