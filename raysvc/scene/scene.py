@@ -12,6 +12,9 @@ from raysvc.scene.texture import Texture
 from raysvc.types import Doubles, Floats, Ints
 
 
+LARGEST = float(np.finfo(np.float32).max)
+
+
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Scene:
     """Triangles in world space (+Y up, metres), instances expanded; counter-clockwise is the front.
@@ -83,8 +86,8 @@ class Scene:
         _check_indices(self.material_of_triangle, len(self.materials), "material_of_triangle")
         object.__setattr__(self, "_bounds", _bounds_of(self.positions, self.triangles))
         for number, material in enumerate(self.materials):
-            if not all(np.isfinite(material.numbers())):
-                raise InvalidScene("has NaN or infinite values", f"materials[{number}]")
+            if not all(abs(x) <= LARGEST for x in material.numbers()):
+                raise InvalidScene("has numbers beyond float32", f"materials[{number}]")
             for ref in material.texture_refs():
                 if ref is not None and not (
                     0 <= ref.texture < len(self.textures) and ref.uv_set in (0, 1)

@@ -62,6 +62,7 @@ def test_a_wrong_shape_dtype_or_layout_is_refused_by_name(name: str, array: np.n
         Material(base_colour_texture=TextureRef(1)),
         Material(normal_texture=TextureRef(0, uv_set=2)),
         Material(roughness=float("nan")),
+        Material(emissive=(1e39, 0.0, 0.0)),
         Material(base_colour_texture=TextureRef(0, uv_transform=(1, 0, np.inf, 0, 1, 0))),
     ],
 )

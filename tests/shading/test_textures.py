@@ -68,7 +68,7 @@ def test_coordinates_far_outside_stay_within_the_texture(wrap, far):
 
 
 @pytest.mark.parametrize("wrap", WRAPS)
-@pytest.mark.parametrize("factor", [1e38, 1e300])
+@pytest.mark.parametrize("factor", [1e38, 3e38])
 def test_coordinates_that_overflow_are_survived(wrap, factor):
     ref = TextureRef(0, 0, (factor, factor, 0, factor, -factor, factor))
     scene = textured(
