@@ -5,9 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from raysvc.compare.heat_map import HeatMap
-from raysvc.compare.picture import encoded, figure
+from raysvc.compare.picture import DOTS_PER_INCH, encoded, figure
 from raysvc.imaging.encode_layers import encode_exr
 
+NARROWEST_IN, WIDEST_IN = 4.2, 12.0
+"""Of a map; between them a pixel of it is about a pixel of the picture."""
 BRIGHTEST_PERCENTILE = 99.5
 """What is more costly than this many percent of the pixels is shown as the brightest."""
 
@@ -25,8 +27,8 @@ def heat_maps_exr(maps: Mapping[str, HeatMap]) -> bytes:
 def heat_maps_png(maps: Mapping[str, HeatMap]) -> bytes:
     """PNG: a row for each structure, steps on the left, tests on the right, one scale for each."""
     height, width = next(iter(maps.values())).node_steps.shape
-    inches = (2 * 6.4 + 1.6, len(maps) * (6.4 * height / width + 0.45))
-    picture = figure(*inches)
+    panel_in = min(max(width / DOTS_PER_INCH, NARROWEST_IN), WIDEST_IN)
+    picture = figure(2 * panel_in + 1.6, len(maps) * (panel_in * height / width + 0.45))
     axes = picture.subplots(len(maps), 2, squeeze=False)
     for column, (field, title) in enumerate(
         (("node_steps", "node steps"), ("triangle_tests", "triangle tests"))
