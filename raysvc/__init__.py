@@ -13,9 +13,8 @@ Conventions of the whole system
 - Pixel (row, col) has its centre at (row + 0.5, col + 0.5); row 0 is the top.
 - Counter-clockwise triangles face the viewer.
 - Directions are unit unless named otherwise; a ray's t is in units of |direction|.
-- An environment's centre column is what is seen along -Z, +X is to its right, +Y up; `yaw_deg`
-turns it
-  counter-clockwise seen from above.
+- An environment's centre column is what is seen along -Z, +X is to its right, +Y up;
+  `yaw_deg` turns it counter-clockwise seen from above.
 - Transforms are named `<to>_from_<from>` and multiply column vectors from the left.
 - Rays and geometry are float32, accumulated tables float64 or fixed point.
 - The same request gives the same bytes, whatever the number of threads; what is random is seeded.

@@ -26,8 +26,8 @@ class Frame:
 
     Layers, by name, of H x W pixels with row 0 at the top:
 
-    - `beauty` (H, W, 4) float32: linear scene-referred Rec.709, premultiplied by alpha, after the
-    lens
+    - `beauty` (H, W, 4) float32: linear scene-referred Rec.709, premultiplied by alpha, after
+      the lens
     - `depth` (H, W) float32: metres along the view axis, inf where there is nothing
     - `normal` (H, W, 3) float32: world-space shading normal, 0 where there is nothing
     - `albedo` (H, W, 3) float32: linear base colour
@@ -35,9 +35,8 @@ class Frame:
     - `object`, `material` (H, W) int32: the instance and material of that triangle
     - `occlusion` (H, W) float32: the part of the hemisphere that is free, 1 where there is nothing
     - `edge` (H, W) float32: 1 where anti-aliasing took more samples
-    - `coc` (H, W) float32: signed diameter of the circle of confusion in pixels, less than 0 in
-    front
-      of what is sharp; only when there was a lens
+    - `coc` (H, W) float32: signed diameter of the circle of confusion in pixels, less than 0
+      in front of what is sharp; only when there was a lens
     """
 
     layers: Mapping[str, NDArray[Any]]

@@ -14,8 +14,10 @@ def summed_area_table(image: Floats | Doubles) -> Doubles:
     image
         (H, W, C) float32 or float64
 
-    Returns ------- (H+1, W+1, C) float64; entry (i, j) sums rows 0..i and columns 0..j exclusive,
-    so that row 0 and column 0 are zero and no box needs a special case at an edge
+    Returns
+    -------
+    (H+1, W+1, C) float64; entry (i, j) sums rows 0..i and columns 0..j exclusive, so that row 0
+    and column 0 are zero and no box needs a special case at an edge
     """
     height, width, channels = image.shape
     table = np.zeros((height + 1, width + 1, channels))
