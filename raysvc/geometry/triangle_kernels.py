@@ -9,8 +9,6 @@ from raysvc.jit import inlined, kernel
 from raysvc.types import Floats, Ints
 
 Vec3 = tuple[float, float, float]
-ON_EDGE = 1e-12
-"""A weight this little below 0 is rounding: no ray slips between triangles that share an edge."""
 
 
 @inlined

@@ -11,7 +11,6 @@ from raysvc.scene.material import Material
 from raysvc.scene.texture import Texture
 from raysvc.types import Doubles, Floats, Ints
 
-
 LARGEST = float(np.finfo(np.float32).max)
 
 
