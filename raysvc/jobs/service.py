@@ -191,7 +191,8 @@ class RenderService:
 def _check_done(job: Job[Request]) -> None:
     """Raise NotFinished, or what made the job fail."""
     if job.error is not None:
-        raise job.error
+        # Every raise adds frames to an exception, and frames hold on to what they work with.
+        raise job.error.with_traceback(None)
     if job.state is not JobState.DONE:
         kind = job.request.kind
         raise NotFinished(f"the {kind} is {job.state}", field=kind)

@@ -74,6 +74,21 @@ def test_a_picture_that_is_not_there_yet_or_no_longer_is_said_to_be_so(tmp_path:
     service.close(1.0)
 
 
+def test_a_failed_job_says_why_every_time_and_gathers_no_frames(tmp_path: Path) -> None:
+    fault = InvalidSetting("is wrong", "settings")
+    service = service_in(tmp_path, PatternRenderer(fault=fault))
+    service.start()
+    failed = service.submit(request(service))
+    failed.finished.result(5)
+    depths = []
+    for _ in range(3):
+        with pytest.raises(InvalidSetting) as raised:
+            service.picture(failed)
+        depths.append(len(raised.traceback))
+    assert len(set(depths)) == 1
+    service.close(1.0)
+
+
 def test_closing_cancels_what_waits_and_what_runs_too_long(tmp_path: Path) -> None:
     service = service_in(tmp_path, PatternRenderer(seconds=60.0, steps=6000))
     assert service.not_ready == "warming up"
