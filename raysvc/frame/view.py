@@ -118,7 +118,8 @@ def _scene_camera(wanted: int | str, scene: Scene) -> SceneCamera:
         if 0 <= wanted < len(scene.cameras):
             return scene.cameras[wanted]
         raise InvalidSetting(
-            f"the scene has {len(scene.cameras)} cameras", field="camera.gltf_camera"
+            f"refers to camera {wanted}; there are {len(scene.cameras)}",
+            field="camera.gltf_camera",
         )
     for camera in scene.cameras:
         if camera.name == wanted:

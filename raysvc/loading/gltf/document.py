@@ -42,6 +42,8 @@ def read_document(files: Files, limits: Limits) -> Document:
     """Read a .gltf or .glb; raises InvalidInput naming what is wrong."""
     journal = Journal()
     text, binary = files.read(files.main, field="main"), None
+    if not text:
+        raise InvalidScene("is empty", files.main)
     if is_container(text):
         text, binary = open_container(text, journal)
     if text.startswith(_BYTE_ORDER_MARK):

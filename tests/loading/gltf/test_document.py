@@ -91,7 +91,7 @@ def test_every_truncation_of_a_container_is_refused():
 
 ASSET = b'"asset": {"version": "2.0"}'
 TEXTS = {
-    "nothing": (b"", "json"),
+    "nothing": (b"", "scene.gltf"),
     "HTML": (b"<html></html>", "json"),
     "a list": (b"[]", "json"),
     "a number": (b"1", "json"),
