@@ -55,7 +55,8 @@ def render(
     Raises InvalidSetting, Unavailable, Cancelled, DeadlineExceeded.
     """
     settings = settings_from(settings)
-    view = camera if isinstance(camera, View) else checked(View, camera or {}, "camera")
+    camera = {} if camera is None else camera
+    view = camera if isinstance(camera, View) else checked(View, camera, "camera")
     resolved = camera_from(view, scene, limits)
     control = (control or Control()).limited(settings.threads, settings.deadline_s)
     if environment is None:

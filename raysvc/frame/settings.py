@@ -101,12 +101,14 @@ def settings_from(values: Mapping[str, Any] | Settings | None) -> Settings:
     limit."""
     if isinstance(values, Settings):
         return values
-    return checked(Settings, values or {}, "settings")
+    return checked(Settings, {} if values is None else values, "settings")
 
 
-def checked(model: type[Model], values: Mapping[str, Any], where: str) -> Model:
+def checked(model: type[Model], values: object, where: str) -> Model:
     """Validate a mapping against a model; its first fault becomes an InvalidSetting that names the
     field."""
+    if not isinstance(values, Mapping):
+        raise InvalidSetting(f"must be a mapping, not {type(values).__name__}", field=where)
     try:
         return model.model_validate(dict(values))
     except ValidationError as error:

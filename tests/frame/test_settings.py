@@ -31,6 +31,14 @@ def test_a_wrong_setting_is_refused_by_name(values: dict, field: str) -> None:
     assert caught.value.field == field
 
 
+@pytest.mark.parametrize("given", [5, [], ["bounces"], "bounces"])
+def test_what_is_no_mapping_is_refused_by_name(given: object) -> None:
+    with pytest.raises(InvalidSetting, match="settings: must be a mapping"):
+        settings_from(given)  # type: ignore[arg-type]
+    with pytest.raises(InvalidSetting, match="camera: must be a mapping"):
+        raysvc.render(still_life(), camera=given)  # type: ignore[arg-type]
+
+
 def test_every_default_is_what_the_specification_says_or_nearest_to_it() -> None:
     settings = Settings()
     assert (settings.bounces, settings.occlusion_samples, settings.aa_samples) == (1, 16, 8)
