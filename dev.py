@@ -5,6 +5,8 @@
     python3 dev.py test [...]    checks, then the tests; what follows goes to pytest
     python3 dev.py check         style, types, import contracts
     python3 dev.py serve [...]   run the service; what follows goes to `raysvc serve`
+    python3 dev.py bench [...]   measure; what follows goes to `raysvc bench`
+    python3 dev.py docs          draw the pictures of docs/ again
     python3 dev.py lock          resolve the newest dependencies into requirements.lock
 
 Every task makes .venv when it is missing or out of date, from requirements.lock.
@@ -64,6 +66,16 @@ def serve(arguments: list[str]) -> int:
     return _python("-m", "raysvc", "serve", *arguments)
 
 
+def bench(arguments: list[str]) -> int:
+    """Measure acceleration structures, or what else `raysvc bench` knows."""
+    return _python("-m", "raysvc", "bench", *(arguments or ["structures"]))
+
+
+def docs(arguments: list[str]) -> int:
+    """Draw the pictures of docs/ again."""
+    return _python("-m", "docs.make_pictures") or _python("-m", "docs.make_lens_pictures")
+
+
 def lock(arguments: list[str]) -> int:
     """Install what pyproject.toml allows into a fresh environment, and write down what came."""
     with tempfile.TemporaryDirectory(prefix="raysvc-lock-") as folder:
@@ -84,7 +96,15 @@ def lock(arguments: list[str]) -> int:
     return 0
 
 
-TASKS = {"demo": demo, "test": test, "check": check, "serve": serve, "lock": lock}
+TASKS = {
+    "demo": demo,
+    "test": test,
+    "check": check,
+    "serve": serve,
+    "bench": bench,
+    "docs": docs,
+    "lock": lock,
+}
 
 
 def main() -> int:

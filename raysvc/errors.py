@@ -62,6 +62,10 @@ class NotFound(RaysvcError):
 class NotFinished(RaysvcError):
     """The job has no picture: it is waiting or running (then retry), or it ended without one."""
 
+    def __init__(self, message: str, field: str | None = None, *, retryable: bool = False) -> None:
+        super().__init__(message, field)
+        self.retryable = retryable
+
 
 class Gone(RaysvcError):
     """The picture made room for newer ones; the same request makes it again."""

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from raysvc.accel import bih_kernels
 from raysvc.accel.base import Rays, Triangles
+from raysvc.accel.bih_area_kernels import lay_out_intervals
 from raysvc.accel.bih_build_kernels import (
     LEAF,
     NODE_WORDS,
@@ -15,7 +16,7 @@ from raysvc.accel.bih_build_kernels import (
     grow_interval_tree,
 )
 from raysvc.accel.bih_kernels import BihArrays
-from raysvc.accel.binary_tree import TreeShape
+from raysvc.accel.binary_tree import TreeShape, sah_tree
 from raysvc.accel.corner_kernels import TRIANGLE_BYTES, bounds_of, corners_of
 from raysvc.accel.queries import Queries, QueryKernels
 from raysvc.accel.report import Counters, Query
@@ -29,8 +30,8 @@ class BihParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     split: Literal["middle", "sah"] = Field(
-        "middle",
-        description="`middle` halves regular voxels; `sah` weighs surface areas.",
+        "sah",
+        description="`sah` weighs surface areas; `middle` halves regular voxels.",
     )
     max_leaf: int = Field(6, ge=1, le=64, description="Most triangles that a leaf may hold.")
     empty_cut: float = Field(
@@ -54,7 +55,11 @@ KERNELS: Final = QueryKernels(
 
 
 class Bih:
-    """A step fetches a node; an inner one has two planes tested, and the nearer child is first."""
+    """A step fetches a node; an inner one has two planes tested, and the nearer child is first.
+
+    Waechter and Keller 2006, "Instant Ray Tracing: The Bounding Interval Hierarchy", is
+    split=middle.
+    """
 
     state_bytes = 20 * (MAX_DEPTH + 2)
     """The stack's nodes and intervals."""
@@ -64,43 +69,22 @@ class Bih:
         start = time.perf_counter()
         self._triangles = triangles
         self._params = params
-        count = len(triangles.indices)
-        order = np.arange(count, dtype=np.int32)
-        box = np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0])
-        words = np.array([0, 0, LEAF, 0], np.int32)
-        if count > 0:
-            bounds = np.empty((count, 6), np.float32)
-            bounds_of(corners_of(triangles.positions, triangles.indices, order), bounds)
-            box = np.concatenate([bounds[:, :3].min(axis=0), bounds[:, 3:].max(axis=0)])
-            box = box.astype(np.float64)
-            words = np.empty(NODE_WORDS * (4 * count + 1), np.int32)
-            filled = grow_interval_tree(
-                bounds.reshape(-1),
-                order,
-                box,
-                params.split == "sah",
-                params.bins,
-                params.traversal_cost,
-                params.max_leaf,
-                params.empty_cut,
-                words.view(np.float32),
-                words,
-            )
-            words = words[: NODE_WORDS * filled].copy()
-        corners = corners_of(triangles.positions, triangles.indices, order)
-        self.arrays = BihArrays(words.view(np.float32), words, corners, order, box)
-        self._queries = Queries(KERNELS, self.arrays, 4 * NODE_WORDS, TRIANGLE_BYTES)
+        build = _by_area if params.split == "sah" else _by_middle
+        words, self._shape, corners = build(triangles, params)
+        order = self._shape.order
+        box = self._shape.boxes[:6].astype(np.float64)
+        arrays = BihArrays(words.view(np.float32), words, corners, order, box)
+        self._queries = Queries(KERNELS, arrays, 4 * NODE_WORDS, TRIANGLE_BYTES)
         seconds = time.perf_counter() - start
-        self.report = self.shape().report(count, seconds, words.nbytes, order.nbytes)
+        count = len(triangles.indices)
+        self.report = self._shape.report(count, seconds, words.nbytes, order.nbytes)
 
     def shape(self) -> TreeShape:
-        """Return the cells, as the planes bound them, and their triangles, for measures."""
-        arrays = self.arrays
-        nodes = len(arrays.words) // NODE_WORDS
-        boxes = np.empty(6 * nodes, np.float32)
-        left, first, count = (np.empty(nodes, np.int32) for _ in range(3))
-        cells_of(arrays.nodes, arrays.words, arrays.box, boxes, left, first, count)
-        return TreeShape(boxes, left, first, count, arrays.numbers)
+        """Return the cells, as the planes bound them, and their triangles, for measures.
+
+        A node that clips and the one to which it leads are one cell.
+        """
+        return self._shape
 
     def nearest_triangle(self, rays: Rays) -> Ints:
         """(R,) int32: the first triangle along each ray, the lowest where several tie, or -1."""
@@ -117,3 +101,59 @@ class Bih:
     def refitted(self, positions: Floats) -> "Bih":
         """Build anew with the moved vertices, positions (V, 3)."""
         return Bih(Triangles(positions, self._triangles.indices), self._params)
+
+
+def _by_area(triangles: Triangles, params: BihParams) -> tuple[Ints, TreeShape, Floats]:
+    """Nodes, cells and corners of a hierarchy of boxes by the surface area heuristic."""
+    tree = sah_tree(
+        triangles.positions,
+        triangles.indices,
+        params.bins,
+        params.max_leaf,
+        params.traversal_cost,
+        1.0,
+    )
+    cells = np.empty_like(tree.boxes)
+    words = np.empty(4 * NODE_WORDS * len(tree.left), np.int32)
+    filled = lay_out_intervals(
+        tree.boxes,
+        tree.left,
+        tree.first,
+        tree.count,
+        tree.axis,
+        cells,
+        words.view(np.float32),
+        words,
+    )
+    shape = TreeShape(cells, tree.left, tree.first, tree.count, tree.order)
+    return words[: NODE_WORDS * filled].copy(), shape, tree.corners
+
+
+def _by_middle(triangles: Triangles, params: BihParams) -> tuple[Ints, TreeShape, Floats]:
+    """Nodes, cells and corners of regular voxels halved."""
+    count = len(triangles.indices)
+    order = np.arange(count, dtype=np.int32)
+    box = np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0])
+    words = np.array([0, 0, LEAF, 0], np.int32)
+    if count > 0:
+        bounds = np.empty((count, 6), np.float32)
+        bounds_of(corners_of(triangles.positions, triangles.indices, order), bounds)
+        box = np.concatenate([bounds[:, :3].min(axis=0), bounds[:, 3:].max(axis=0)])
+        box = box.astype(np.float64)
+        words = np.empty(NODE_WORDS * (4 * count + 1), np.int32)
+        filled = grow_interval_tree(
+            bounds.reshape(-1),
+            order,
+            box,
+            params.max_leaf,
+            params.empty_cut,
+            words.view(np.float32),
+            words,
+        )
+        words = words[: NODE_WORDS * filled].copy()
+    nodes = len(words) // NODE_WORDS
+    boxes = np.empty(6 * nodes, np.float32)
+    left, first, leaf = (np.empty(nodes, np.int32) for _ in range(3))
+    cells_of(words.view(np.float32), words, box, boxes, left, first, leaf)
+    corners = corners_of(triangles.positions, triangles.indices, order)
+    return words, TreeShape(boxes, left, first, leaf, order), corners

@@ -1,17 +1,20 @@
 """A bounding interval hierarchy: nodes with two planes each, that bound their children on one axis.
 
 Waechter and Keller 2006, "Instant Ray Tracing: The Bounding Interval Hierarchy": triangles go to
-the half of a regular voxel in which their middle is, and planes then fit them.
+the half of a regular voxel in which their middle is, and planes then fit them. Nodes from another
+hierarchy, by area, are made in `raysvc.accel.bih_area_kernels`.
 """
 
 import numpy as np
 
 from raysvc.accel.sah_kernels import DEPTH_OF_HALVING, MAX_DEPTH
 from raysvc.jit import inlined, kernel
-from raysvc.types import Doubles, Floats, Ints, Longs
+from raysvc.types import Doubles, Floats, Ints
 
 LEAF = 3
 """In place of an inner node's axis."""
+CLIP = 4
+"""Added to the axis of a node that has but one child, between its two planes."""
 NODE_WORDS = 4
 
 
@@ -42,80 +45,11 @@ def _partition(bounds: Floats, order: Ints, start: int, stop: int, axis: int, pl
     return low
 
 
-@inlined
-def _area_to(cell: Doubles, axis: int, low: float, high: float) -> float:
-    """Half of the surface of a cell narrowed to low..high on one axis."""
-    extent = min(high, cell[3 + axis]) - max(low, cell[axis])
-    if extent < 0.0:
-        return 0.0
-    b, c = (axis + 1) % 3, (axis + 2) % 3
-    wide, tall = cell[3 + b] - cell[b], cell[3 + c] - cell[c]
-    return float(wide * tall + extent * (wide + tall))
-
-
-@inlined
-def _split_by_area(
-    bounds: Floats,
-    start: int,
-    stop: int,
-    cell: Doubles,
-    bins: int,
-    counts: Longs,
-    lows: Doubles,
-    highs: Doubles,
-) -> tuple[float, int, float]:
-    """Least sum of area * triangles of both children, and its axis and plane.
-
-    Only one plane narrows a child, on one axis: that is what its area is of. Planes beyond either
-    end leave one child empty. counts, lows and highs (bins,) are scratch.
-    """
-    best, best_axis, best_plane = np.inf, 0, 0.0
-    for axis in range(3):
-        first, last = np.inf, -np.inf
-        for f in range(start, stop):
-            middle = 0.5 * (np.float64(bounds[6 * f + axis]) + bounds[6 * f + 3 + axis])
-            first, last = min(first, middle), max(last, middle)
-        for b in range(bins):
-            counts[b], lows[b], highs[b] = 0, np.inf, -np.inf
-        scale = bins / (last - first) if last > first else 0.0
-        for f in range(start, stop):
-            low, high = np.float64(bounds[6 * f + axis]), np.float64(bounds[6 * f + 3 + axis])
-            b = min(int((0.5 * (low + high) - first) * scale), bins - 1)
-            counts[b] += 1
-            lows[b], highs[b] = min(lows[b], low), max(highs[b], high)
-        # All on one side: the node only cuts off what is empty beyond them.
-        for b in range(1, bins):
-            highs[b] = max(highs[b], highs[b - 1])
-        least = np.inf
-        for b in range(bins):
-            least = min(least, lows[b])
-        cost = (stop - start) * _area_to(cell, axis, -np.inf, highs[bins - 1])
-        if cost < best:
-            best, best_axis, best_plane = cost, axis, np.inf
-        cost = (stop - start) * _area_to(cell, axis, least, np.inf)
-        if cost < best:
-            best, best_axis, best_plane = cost, axis, -np.inf
-        right, least = 0, np.inf
-        for b in range(bins - 1, 0, -1):
-            right += counts[b]
-            least = min(least, lows[b])
-            left = stop - start - right
-            if right > 0 and left > 0 and scale > 0.0:
-                cost = left * _area_to(cell, axis, -np.inf, highs[b - 1])
-                cost += right * _area_to(cell, axis, least, np.inf)
-                if cost < best:
-                    best, best_axis, best_plane = cost, axis, first + b / scale
-    return best, best_axis, best_plane
-
-
 @kernel
 def grow_interval_tree(
     bounds: Floats,
     order: Ints,
     whole: Doubles,
-    by_area: bool,
-    bins: int,
-    traversal_cost: float,
     max_leaf: int,
     empty_cut: float,
     nodes: Floats,
@@ -125,18 +59,16 @@ def grow_interval_tree(
 
     bounds (6 F,) and order (F,), which holds 0..F-1, are permuted together. Nodes, whose memory
     words shows as integers, are four words: greatest coordinate on the left, least on the right,
-    and 4 * left child + axis; or, for a leaf, its first triangle, its number of them, and LEAF.
+    and 8 * left child + axis; or, for a leaf, its first triangle, its number of them, and LEAF.
     When there is no more room for nodes, or it gets too deep, triangles are halved by count.
 
     Splits are by the middle of regular voxels: one of which a half is empty becomes a node with an
-    empty leaf if that cuts off at least the part `empty_cut` of the cell, and else only shrinks. Or
-    they are by area, weighing also nodes that do nothing but cut off empty space.
+    empty leaf if that cuts off at least the part `empty_cut` of the cell, and else only shrinks.
     """
     todo = np.empty((MAX_DEPTH + 2, 4), np.int64)
     voxels = np.empty((MAX_DEPTH + 2, 6), np.float64)
     cells = np.empty((MAX_DEPTH + 2, 6), np.float64)
     voxel, cell = np.empty(6, np.float64), np.empty(6, np.float64)
-    counts, lows, highs = np.empty(bins, np.int64), np.empty(bins), np.empty(bins)
     voxels[0], cells[0] = whole, whole
     todo[0, 0], todo[0, 1], todo[0, 2], todo[0, 3] = 0, 0, len(order), 0
     # So many nodes with an empty child may still be made: others number at most 2 F - 1.
@@ -148,29 +80,17 @@ def grow_interval_tree(
         for k in range(6):
             voxel[k], cell[k] = voxels[top, k], cells[top, k]
         size = stop - start
-        is_leaf = size <= (1 if by_area else max_leaf)
         deep = depth >= DEPTH_OF_HALVING
-        axis, middle, plane = _longest(voxel), start + size // 2, 0.0
-        if by_area and not is_leaf and not deep:
-            best, axis, plane = _split_by_area(bounds, start, stop, cell, bins, counts, lows, highs)
-            area = _area_to(cell, 0, -np.inf, np.inf)
-            is_leaf = size <= max_leaf and area * size <= traversal_cost * area + best
-            cuts = not (-np.inf < plane < np.inf)
-            if cuts and (spare <= 0 or traversal_cost * area + best >= area * size):
-                deep = True
-                axis = _longest(voxel)
-        if is_leaf:
+        if size <= max_leaf:
             words[NODE_WORDS * node], words[NODE_WORDS * node + 1] = start, size
             words[NODE_WORDS * node + 2] = LEAF
             continue
 
         # Halve the voxel until that parts the triangles, or cuts off enough empty space.
-        left_max, right_min = np.float32(-np.inf), np.float32(np.inf)
         while True:
-            if not by_area:
-                axis = _longest(voxel)
-                plane = 0.5 * (voxel[axis] + voxel[3 + axis])
-                deep = deep or not voxel[axis] < plane < voxel[3 + axis]
+            axis = _longest(voxel)
+            plane = 0.5 * (voxel[axis] + voxel[3 + axis])
+            deep = deep or not voxel[axis] < plane < voxel[3 + axis]
             middle = start + size // 2
             if not deep:
                 middle = _partition(bounds, order, start, stop, axis, plane)
@@ -179,7 +99,7 @@ def grow_interval_tree(
                 left_max = max(left_max, bounds[6 * f + 3 + axis])
             for f in range(middle, stop):
                 right_min = min(right_min, bounds[6 * f + axis])
-            if by_area or deep or start < middle < stop:
+            if deep or start < middle < stop:
                 break
             extent = cell[3 + axis] - cell[axis]
             cut = right_min - cell[axis] if middle == start else cell[3 + axis] - left_max
@@ -191,7 +111,7 @@ def grow_interval_tree(
 
         at = NODE_WORDS * node
         nodes[at], nodes[at + 1] = left_max, right_min
-        words[at + 2], words[at + 3] = 4 * count + axis, 0
+        words[at + 2], words[at + 3] = 8 * count + axis, 0
         for side in range(2):
             for k in range(6):
                 voxels[top + side, k], cells[top + side, k] = voxel[k], cell[k]
@@ -215,7 +135,7 @@ def cells_of(
         boxes[k] = whole[k]
     for node in range(len(left)):
         at = NODE_WORDS * node
-        axis, child = words[at + 2] & 3, words[at + 2] >> 2
+        axis, child = words[at + 2] & 3, words[at + 2] >> 3
         if axis == LEAF:
             left[node], first[node], count[node] = -1, words[at], words[at + 1]
             continue

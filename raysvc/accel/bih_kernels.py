@@ -2,14 +2,15 @@
 
 The children of a node may overlap, so that a hit in the nearer one does not end the search: what
 lies behind it is only left out when it is taken from the stack. Distances to planes are in double
-precision and compared with some slack; nodes are those of `raysvc.accel.bih_build_kernels`.
+precision and compared with some slack; nodes are those of `raysvc.accel.bih_build_kernels`, and
+some have but one child, between both planes.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from raysvc.accel.bih_build_kernels import LEAF, NODE_WORDS
+from raysvc.accel.bih_build_kernels import CLIP, LEAF, NODE_WORDS
 from raysvc.accel.bvh_kernels import NONE
 from raysvc.accel.kd_kernels import LESS, MORE
 from raysvc.accel.sah_kernels import MAX_DEPTH
@@ -84,10 +85,19 @@ def _trace(
                     counts[r, 2] += 2
                 # What is not a number, of a ray in a plane, leaves both children to be visited.
                 side = near_side[axis]
-                near = (np.float64(nodes[at + side]) - origin[axis]) * inverse[axis]
-                far = (np.float64(nodes[at + 1 - side]) - origin[axis]) * inverse[axis]
-                meets_near, meets_far = not near < enter, not far > leave
-                child = word >> 2
+                a = (np.float64(nodes[at]) - origin[axis]) * inverse[axis]
+                b = (np.float64(nodes[at + 1]) - origin[axis]) * inverse[axis]
+                near, far = (b, a) if side == 1 else (a, b)
+                child = word >> 3
+                if word & CLIP:
+                    enter = near * LESS if near > enter else enter
+                    leave = far * MORE if far < leave else leave
+                    if enter <= leave:
+                        node = child
+                        continue
+                    meets_near = meets_far = False
+                else:
+                    meets_near, meets_far = not near < enter, not far > leave
                 if meets_near:
                     if meets_far:
                         stack[top] = child + 1 - side

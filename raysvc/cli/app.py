@@ -12,6 +12,7 @@ from raysvc.cli.demo import demo
 from raysvc.cli.inspect import inspect
 from raysvc.cli.render import render
 from raysvc.cli.serve import serve
+from raysvc.cli.warmup import warmup
 from raysvc.errors import InvalidInput, NotFound, RaysvcError, Unavailable
 from raysvc.version import VERSION
 
@@ -25,7 +26,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (serve, render, compare, inspect, bench, demo):
+for command in (serve, render, compare, inspect, bench, warmup, demo):
     app.command()(command)
 
 

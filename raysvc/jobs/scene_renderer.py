@@ -1,17 +1,13 @@
 """The renderer that a service uses: from names in the stores to a frame."""
 
-from raysvc.builtin import BUILTIN_SCENES
 from raysvc.frame.frame import Frame
 from raysvc.frame.render import render
-from raysvc.frame.view import View
+from raysvc.frame.warm_up import warm_up
 from raysvc.jobs.requests import RenderRequest
 from raysvc.jobs.store import ContentStore
 from raysvc.limits import Limits
 from raysvc.parallel import Control
 from raysvc.scene import Environment, Scene
-
-SMALL_VIEW = View(width=16, height=9, aperture_radius=0.01)
-"""Goes through every stage, the lens too."""
 
 
 class SceneRenderer:
@@ -29,7 +25,7 @@ class SceneRenderer:
 
     def warm_up(self) -> None:
         """Compile the kernels, or load them from the cache, by rendering something small."""
-        render(BUILTIN_SCENES["cornell"](), camera=SMALL_VIEW)
+        warm_up()
 
     def render(self, request: RenderRequest, control: Control) -> Frame:
         """Make the picture. Raises InvalidInput, Cancelled, DeadlineExceeded, NotFound."""

@@ -195,4 +195,5 @@ def _check_done(job: Job[Request]) -> None:
         raise job.error.with_traceback(None)
     if job.state is not JobState.DONE:
         kind = job.request.kind
-        raise NotFinished(f"the {kind} is {job.state}", field=kind)
+        waiting = job.state in (JobState.QUEUED, JobState.RUNNING)
+        raise NotFinished(f"the {kind} is {job.state}", field=kind, retryable=waiting)

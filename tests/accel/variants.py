@@ -7,6 +7,7 @@ VARIANTS = {
     "skip pointers": ("bvh_stackless", {"links": "skip"}),
     "kd": ("kd", {}),
     "kd of bins": ("kd", {"exact_below": 1, "bins": 8, "traversal_cost": 0.5}),
-    "bih": ("bih", {"max_leaf": 2}),
-    "bih by area": ("bih", {"split": "sah"}),
+    "bih": ("bih", {}),
+    "bih of single triangles": ("bih", {"max_leaf": 1}),
+    "bih of voxels": ("bih", {"split": "middle", "max_leaf": 2}),
 }

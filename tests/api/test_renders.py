@@ -69,6 +69,9 @@ def test_a_picture_that_is_not_there_yet_is_a_conflict(make_client: MakeClient) 
     response = client.get(f"{link}/image")
     assert response.status_code == 409
     assert response.json()["type"] == "urn:raysvc:problem:not-finished"
+    assert response.json()["retryable"] is True
+    client.delete(link)
+    assert client.get(f"{link}/image").json()["retryable"] is False
 
 
 def test_a_render_can_be_cancelled_while_it_runs(make_client: MakeClient) -> None:

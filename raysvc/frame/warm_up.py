@@ -1,0 +1,46 @@
+"""Compile every kernel that a frame may need, or load it from the cache."""
+
+import numpy as np
+
+from raysvc.builtin.mesh import Part, scene_of
+from raysvc.builtin.shapes import sheet, sphere
+from raysvc.frame.render import render
+from raysvc.frame.view import View
+from raysvc.parallel import Control
+from raysvc.scene import Material, PunctualLight, Scene, Texture, TextureRef
+
+VIEW = View(eye=(0.0, 0.4, 3.0), target=(0.0, 0.0, 0.0), width=32, height=18, aperture_radius=0.05)
+
+
+def warm_up(control: Control | None = None) -> None:
+    """Render a small picture that goes through every stage and every kind of material."""
+    render(specimen(), camera=VIEW, control=control)
+
+
+def specimen() -> Scene:
+    """A ball with all five textures, before a masked and a blended pane, under a lamp."""
+    texels = np.full((4, 4, 4), 200, np.uint8)
+    texels[::2, ::2, 3] = 0
+    ref = TextureRef(0)
+    textured = Material(
+        name="textured",
+        base_colour_texture=ref,
+        metallic_roughness_texture=ref,
+        normal_texture=ref,
+        occlusion_texture=ref,
+        emissive_texture=ref,
+        roughness=0.3,
+    )
+    panes = [
+        Material(name=mode, alpha_mode=mode, base_colour_texture=ref, double_sided=True)
+        for mode in ("mask", "blend")
+    ]
+    parts = [
+        Part(sphere(0.8, 8), 0),
+        Part(sheet(1.0, 1.0, 1, 1).turned(90, 0).moved([-0.6, 0.0, 1.0]), 1),
+        Part(sheet(1.0, 1.0, 1, 1).turned(90, 0).moved([0.6, 0.0, 1.0]), 2),
+    ]
+    lamp = PunctualLight("point", (3.0, 3.0, 3.0), position=(1.0, 2.0, 2.0))
+    return scene_of(
+        "specimen", parts, [textured, *panes], textures=[Texture(texels)], lights=[lamp]
+    )

@@ -1,0 +1,48 @@
+"""Warming up goes through everything that a frame may need."""
+
+import raysvc
+from raysvc.frame.warm_up import VIEW, specimen
+from tests.frame.subjects import still_life
+
+
+def test_the_specimen_has_every_kind_of_material_and_slot() -> None:
+    scene = specimen()
+    assert {material.alpha_mode for material in scene.materials} == {"opaque", "mask", "blend"}
+    assert None not in scene.materials[0].texture_refs()
+
+
+def test_a_frame_after_the_specimen_compiles_nothing_new() -> None:
+    """Kernels are specialised to types; the specimen has met those of another scene."""
+    raysvc.render(specimen(), camera=VIEW)
+    before = compiled()
+    raysvc.render(still_life(), camera={"width": 32, "height": 18, "aperture_radius": 0.05})
+    assert compiled() == before
+
+
+def compiled() -> dict[str, int]:
+    """How many specialisations each kernel of the frame has."""
+    from raysvc.frame import composite_kernels
+    from raysvc.geometry import triangle_kernels
+    from raysvc.lens import spread_kernels
+    from raysvc.lighting import direct_kernels, image_kernels
+    from raysvc.shading import coverage_kernels, surface_kernels, texture_kernels
+    from raysvc.tracing import occlusion_kernels, offset_kernels
+
+    modules = (
+        composite_kernels,
+        triangle_kernels,
+        spread_kernels,
+        direct_kernels,
+        image_kernels,
+        coverage_kernels,
+        surface_kernels,
+        texture_kernels,
+        occlusion_kernels,
+        offset_kernels,
+    )
+    return {
+        f"{module.__name__}.{name}": len(value.signatures)
+        for module in modules
+        for name, value in vars(module).items()
+        if hasattr(value, "signatures")
+    }
