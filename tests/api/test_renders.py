@@ -71,6 +71,8 @@ def test_a_picture_that_is_not_there_yet_is_a_conflict(make_client: MakeClient) 
     assert response.json()["type"] == "urn:raysvc:problem:not-finished"
     assert response.json()["retryable"] is True
     client.delete(link)
+    while client.get(link).json()["state"] == "running":
+        pass
     assert client.get(f"{link}/image").json()["retryable"] is False
 
 
