@@ -25,7 +25,7 @@ GLOSSY = 0.4
 """Roughness up to which the mirror ray alone says what a surface reflects of the scene."""
 MATT = 0.75
 """Roughness from which it says nothing, and occlusion only darkens the environment's lobe."""
-EVERY_OTHER = slice(None, None, 2)
+MIRRORED = slice(None, None, 4)
 """The part of the occlusion pattern that is enough for what is seen in a mirror."""
 LEAST_REFLECTION = 1.0 / 256.0
 """Reflections that can add less than this part of what they show are not traced."""
@@ -71,9 +71,9 @@ class Illumination:
             radiance = reflected(surface, to_light, irradiance, radius_rad)
             if self._settings.shadows:
                 lit = np.flatnonzero(np.einsum("nk->n", radiance))
-                towards = surface.chosen(lit)
                 # A ray that starts off the surface must not pass a light that is near it.
-                rays = rays_from(towards, to_light[lit], distance[lit] * np.float32(0.9999))
+                reach = distance[lit] * np.float32(0.9999)
+                rays = rays_from(surface, to_light[lit], reach, lit)
                 self._ledger.count("shadow", len(lit))
                 radiance[lit] *= self._prepared.world.transmittance(rays)[:, None]
             total += radiance
@@ -124,7 +124,7 @@ class Illumination:
         return self.combined(
             surface,
             self.direct(surface),
-            self.occlusion(surface, tile, EVERY_OTHER),
+            self.occlusion(surface, tile, MIRRORED),
             self.reflection(surface, footprint, bounces),
         )
 

@@ -27,6 +27,8 @@ class March:
 
     def ahead(self) -> Rays:
         """(A) rays from where the active ones are now."""
+        if len(self.active) == len(self._rays) and not self._begin.any():
+            return Rays(self._rays.origins, self._rays.directions, self._limit)
         begin = self._begin[self.active]
         return Rays(
             self._rays.origins[self.active] + self._rays.directions[self.active] * begin[:, None],

@@ -5,7 +5,7 @@ import numpy as np
 from raysvc.accel.base import Rays
 from raysvc.shading.surface import Surface
 from raysvc.tracing.offset_kernels import offset_origins
-from raysvc.types import Floats
+from raysvc.types import Floats, Longs
 
 
 def mirror_rays(surface: Surface) -> Rays:
@@ -18,11 +18,21 @@ def mirror_rays(surface: Surface) -> Rays:
     return rays_from(surface, directions, np.full(len(surface), np.inf, np.float32))
 
 
-def rays_from(surface: Surface, directions: Floats, t_max: Floats) -> Rays:
-    """Rays (N) that leave the surface without meeting it, on the side into which they go."""
+def rays_from(
+    surface: Surface, directions: Floats, t_max: Floats, index: Longs | None = None
+) -> Rays:
+    """Rays (N) that leave the surface without meeting it, on the side into which they go.
+
+    `index` (N,) says from which of the surface's points; from each of them by default.
+    """
+    chosen = slice(None) if index is None else index
     directions = np.ascontiguousarray(directions, np.float32)
     origins = np.empty_like(directions)
     offset_origins(
-        surface.position, surface.geometric_normal, surface.clearance, directions, origins
+        surface.position[chosen],
+        surface.geometric_normal[chosen],
+        surface.clearance[chosen],
+        directions,
+        origins,
     )
     return Rays(origins, directions, np.ascontiguousarray(t_max, np.float32))

@@ -43,6 +43,35 @@ def test_the_report_is_that_of_the_tree(variant, rng):
 
 
 @each_variant
+def test_cells_lie_in_their_parents_and_hold_their_triangles(variant, rng):
+    scene = Triangles(*soup(rng, 400, size=0.05))
+    name = VARIANTS[variant][0]
+    shape = built(variant, scene).shape()
+    boxes = shape.boxes.reshape(-1, 6)
+    inner = np.flatnonzero(shape.left >= 0)
+    for child in (shape.left[inner], shape.left[inner] + 1):
+        filled = (boxes[child, :3] <= boxes[child, 3:]).all(axis=1)
+        assert (boxes[child, :3] >= boxes[inner, :3])[filled].all()
+        assert (boxes[child, 3:] <= boxes[inner, 3:])[filled].all()
+    if name != "kd":  # whose cells cut triangles
+        corners = scene.positions[scene.indices[shape.order]]
+        for leaf in np.flatnonzero(shape.left < 0):
+            held = corners[shape.first[leaf] : shape.first[leaf] + shape.count[leaf]]
+            assert (held >= boxes[leaf, :3]).all()
+            assert (held <= boxes[leaf, 3:]).all()
+
+
+def test_clipping_spares_steps_through_empty_space(rng):
+    # Small triangles far apart: most rays miss all of them.
+    scene = Triangles(*soup(rng, 2000, size=0.01))
+    asked = rays(rng.uniform(-1, 1, (1000, 3)), rng.normal(size=(1000, 3)))
+    by_area = build("bih", scene).counted(asked, "nearest")
+    by_middle = build("bih", scene, {"split": "middle"}).counted(asked, "nearest")
+    assert by_area.node_steps.mean() < by_middle.node_steps.mean()
+    assert by_area.leaves.mean() < 0.7 * by_middle.leaves.mean()
+
+
+@each_variant
 def test_end_point_overlap_is_that_of_the_slow_way(variant, rng):
     scene = Triangles(*soup(rng, 60, size=0.5))
     structure = built(variant, scene)
