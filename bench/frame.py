@@ -23,6 +23,7 @@ def main(source: str = "builtin:torus_park", size: str = "1280x720") -> None:
     ]
     rows.append(("total", [each.total_seconds for each in frames]))
     lines = ["| stage | seconds |", "|---|---|"]
+    lines += [f"| {name} | {statistics.median(seconds):.3f} |" for name, seconds in rows]
     first = frames[0]
     lines += [
         "",
