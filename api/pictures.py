@@ -1,8 +1,6 @@
-"""Waiting for a job, and presenting its picture."""
+"""Presenting the picture of a job."""
 
-import asyncio
 import json
-import time
 from typing import Any, Final, Literal
 
 from fastapi import Request, Response
@@ -12,11 +10,8 @@ from api.context import Context
 from api.negotiation import MEDIA_TYPES, format_for, matches
 from raysvc.errors import InvalidSetting
 from raysvc.jobs import Job, RenderRequest
-from raysvc.jobs import Request as JobRequest
 
 LONGEST_HEADER: Final = 4_000
-LISTENING_S: Final = 0.25
-"""How often a waiting request looks whether its client is still there."""
 
 
 class ImageQuery(BaseModel):
@@ -33,18 +28,6 @@ class ImageQuery(BaseModel):
     format: Literal["png", "png16", "jpg", "webp", "exr", "npz"] | None = Field(
         None, description="By default what `Accept` asks for, else `png`."
     )
-
-
-async def wait_for(job: Job[JobRequest], seconds: float, request: Request) -> bool:
-    """Wait until a job has finished; False when the time is over or the client has gone away."""
-    finished = asyncio.wrap_future(job.finished)
-    end = time.monotonic() + seconds
-    while not finished.done():
-        left = end - time.monotonic()
-        if left <= 0 or await request.is_disconnected():
-            return False
-        await asyncio.wait({finished}, timeout=min(left, LISTENING_S))
-    return True
 
 
 async def image_response(

@@ -9,10 +9,10 @@ from api.comparison_requests import submit
 from api.comparison_schemas import ComparisonResource, comparison_resource
 from api.context import Context, ContextDep
 from api.json_bodies import read_json_object
-from api.negotiation import matches, wait_seconds
-from api.pictures import wait_for
+from api.negotiation import matches
 from api.responses import SafeJSONResponse
 from api.routes.stored import PROBLEM_RESPONSES
+from api.waiting import answer_to_new
 from raysvc.compare.result import Comparison
 from raysvc.compare.tables import table
 from raysvc.errors import NotFound
@@ -57,14 +57,9 @@ async def add_comparison(request: Request, context: ContextDep) -> Response:
     """Ask for a measurement; with `Prefer: wait=N` the answer waits up to N seconds for it."""
     body = await read_json_object(request, context.settings.max_json_bytes)
     job = await context.heavy(lambda: submit(context.service, body))
-    headers = {"Location": f"/v1/comparisons/{job.id}"}
-    status = 202
-    wanted_s = wait_seconds(request.headers.getlist("prefer"))
-    if wanted_s is not None:
-        granted_s = min(wanted_s, context.settings.wait_max_s)
-        if await wait_for(job, granted_s, request):
-            status = 200
-            headers["Preference-Applied"] = f"wait={granted_s:.0f}"
+    status, headers = await answer_to_new(
+        job, f"/v1/comparisons/{job.id}", request, context.settings.wait_max_s
+    )
     resource = comparison_resource(job, context.service.position(job))
     return SafeJSONResponse(resource.model_dump(mode="json"), status, headers)
 

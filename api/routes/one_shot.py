@@ -7,10 +7,11 @@ from fastapi import APIRouter, Query, Request, Response
 from api.context import Context, ContextDep
 from api.forms import Form, is_multipart, read_form
 from api.json_bodies import parse_object, read_json_object
-from api.pictures import ImageQuery, image_response, statistics_headers, wait_for
+from api.pictures import ImageQuery, image_response, statistics_headers
 from api.render_requests import submit
 from api.routes.renders import IMAGE_RESPONSE
 from api.routes.stored import PROBLEM_RESPONSES
+from api.waiting import wait_for
 from raysvc.errors import Cancelled, DeadlineExceeded, InvalidInput
 from raysvc.jobs import ContentStore
 

@@ -6,12 +6,13 @@ from fastapi import APIRouter, Query, Request, Response
 
 from api.context import ContextDep
 from api.json_bodies import read_json_object
-from api.negotiation import MEDIA_TYPES, wait_seconds
-from api.pictures import ImageQuery, image_response, wait_for
+from api.negotiation import MEDIA_TYPES
+from api.pictures import ImageQuery, image_response
 from api.render_requests import submit
 from api.responses import SafeJSONResponse
 from api.routes.stored import PROBLEM_RESPONSES
 from api.schemas import RenderResource, render_resource
+from api.waiting import answer_to_new
 from raysvc.jobs import RenderRequest
 
 router = APIRouter(prefix="/v1/renders", tags=["renders"], responses=PROBLEM_RESPONSES)
@@ -41,14 +42,9 @@ async def add_render(request: Request, context: ContextDep) -> Response:
     """Ask for a picture; with `Prefer: wait=N` the answer waits up to N seconds for it."""
     body = await read_json_object(request, context.settings.max_json_bytes)
     job = await context.heavy(lambda: submit(context.service, body))
-    headers = {"Location": f"/v1/renders/{job.id}"}
-    status = 202
-    wanted_s = wait_seconds(request.headers.getlist("prefer"))
-    if wanted_s is not None:
-        granted_s = min(wanted_s, context.settings.wait_max_s)
-        if await wait_for(job, granted_s, request):
-            status = 200
-            headers["Preference-Applied"] = f"wait={granted_s:.0f}"
+    status, headers = await answer_to_new(
+        job, f"/v1/renders/{job.id}", request, context.settings.wait_max_s
+    )
     resource = render_resource(job, context.service.position(job))
     return SafeJSONResponse(resource.model_dump(mode="json"), status, headers)
 
