@@ -27,6 +27,8 @@ MATT = 0.75
 """Roughness from which it says nothing, and occlusion only darkens the environment's lobe."""
 MIRRORED = slice(None, None, 4)
 """The part of the occlusion pattern that is enough for what is seen in a mirror."""
+FAINT = 0.025
+"""Specular albedo below which a lookup's error is a fraction of a percent of white."""
 LEAST_REFLECTION = 1.0 / 256.0
 """Reflections that can add less than this part of what they show are not traced."""
 
@@ -136,15 +138,21 @@ class Illumination:
         visible = visible * surface.occlusion
         total = surface.emissive + direct
         total += light.diffuse(surface, samples) * interreflected(visible, surface.base_colour)
-        total += specular(
-            surface,
-            light.specular(surface, samples),
-            visible,
-            reflection,
-            light.specular_albedo(surface),
-        )
+        albedo = light.specular_albedo(surface)
+        lobe = self._specular_lobe(surface, albedo)
+        total += specular(surface, lobe, visible, reflection, albedo)
         shown: Floats = np.where(surface.unlit[:, None], surface.base_colour, total)
         return shown
+
+    def _specular_lobe(self, surface: Surface, albedo: Floats) -> Floats:
+        """(N, 3) the environment through the specular lobe, by one lookup where that is faint."""
+        light, samples = self._prepared.light, self._settings.ibl_lobe_samples
+        lobe = np.empty((len(surface), 3), np.float32)
+        faint = albedo.max(axis=1) < FAINT
+        for chosen, lookups in ((faint, 1), (~faint, samples)):
+            index = np.flatnonzero(chosen)
+            lobe[index] = light.specular(surface.chosen(index), lookups)
+        return lobe
 
 
 def glossiness(roughness: Floats) -> Floats:

@@ -55,7 +55,10 @@ class Settings(BaseModel):
         1, description="How often the table is integrated; 1 gives box filters."
     )
     ibl_lobe_samples: int = Field(
-        4, ge=1, le=64, description="Filtered samples per lobe of the environment."
+        4,
+        ge=1,
+        le=64,
+        description="Filtered samples per lobe of the environment; one where it is faint.",
     )
     lens: Literal["spread", "none"] = Field(
         "spread",

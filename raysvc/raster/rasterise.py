@@ -1,10 +1,11 @@
 """The nearest triangle of every pixel, band by band."""
 
 from collections.abc import Callable
+from dataclasses import fields
 
 import numpy as np
 
-from raysvc.parallel import Control, for_chunks
+from raysvc.parallel import Control, for_chunks, map_chunks
 from raysvc.raster.clip import clip
 from raysvc.raster.project import project
 from raysvc.raster.spans import Fragments, SetUp, fragments, set_up
@@ -14,6 +15,8 @@ from raysvc.types import Bools, Ints
 NOTHING = np.uint64(0xFFFFFFFFFFFFFFFF)
 BAND_ROWS = 64
 """Rows worked on at once: bounds the memory for fragments, and lets threads share the work."""
+TRIANGLES = 1 << 16
+"""Triangles that are clipped and set up at once."""
 NEAR_OF_DIAGONAL = 1e-6
 """The near plane, as a part of the scene's diagonal: as near as precision allows."""
 
@@ -83,6 +86,20 @@ class Raster:
         for_chunks(camera.height, BAND_ROWS, band, self._control, stage)
 
     def _set_up(self, triangles: Ints) -> SetUp:
+        parts = map_chunks(
+            len(triangles),
+            TRIANGLES,
+            lambda begin, end: self._set_up_some(triangles[begin:end]),
+            self._control,
+        )
+        return SetUp(
+            **{
+                f.name: np.concatenate([getattr(part, f.name) for part in parts])
+                for f in fields(SetUp)
+            }
+        )
+
+    def _set_up_some(self, triangles: Ints) -> SetUp:
         camera = self._camera
         corners, source = clip(
             self._corners[self._triangles[triangles]], self._near, camera.width, camera.height
