@@ -5,11 +5,10 @@ from pathlib import Path
 from typing import Annotated, Final
 
 import typer
-from rich.console import Console
 
 from raysvc.cli.arguments import writable
 from raysvc.cli.progress import progress_bar
-from raysvc.cli.tables import bench_table
+from raysvc.cli.tables import bench_table, show
 from raysvc.compare.benchmark import bench_structures
 from raysvc.errors import InvalidSetting
 from raysvc.loading import load_scene
@@ -40,4 +39,4 @@ def bench(
         measured = bench_structures(scenes, count, rounds, control=Control(on_progress=report))
     if output is not None:
         output.write_text(json.dumps(measured, indent=2) + "\n", encoding="utf-8")
-    Console().print(bench_table(measured["results"]))
+    show(bench_table(measured["results"]))

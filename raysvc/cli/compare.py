@@ -4,11 +4,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
 from raysvc.cli.arguments import camera_mapping, output_format, writable
 from raysvc.cli.progress import progress_bar
-from raysvc.cli.tables import comparison_table
+from raysvc.cli.tables import comparison_table, show
 from raysvc.compare.compare import compare as compare_structures
 from raysvc.compare.settings import candidates, comparison_settings
 from raysvc.compare.tables import TABLE_FORMATS, table
@@ -98,4 +97,4 @@ def compare(
         pictures = {"png": heat_maps_png, "exr": heat_maps_exr}
         format = output_format(heat_map, "--heat-map", ("png", "exr"))
         heat_map.write_bytes(pictures[format](measured.heat_maps))
-    Console().print(comparison_table(measured))
+    show(comparison_table(measured))

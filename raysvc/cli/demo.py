@@ -12,11 +12,10 @@ from typing import Annotated, Any
 
 import httpx
 import typer
-from rich.console import Console
 
 from raysvc.cli.arguments import camera_mapping
 from raysvc.cli.progress import progress_bar
-from raysvc.cli.tables import stage_table
+from raysvc.cli.tables import show, stage_table
 from raysvc.errors import RaysvcError
 
 READY_WITHIN_S = 600.0
@@ -61,7 +60,7 @@ def demo(
     statistics = render["statistics"]
     text = json.dumps(statistics, indent=2) + "\n"
     (folder / "stats.json").write_text(text, encoding="utf-8")
-    Console().print(stage_table(statistics))
+    show(stage_table(statistics))
     typer.echo(f"{folder / 'picture.png'}, picture.exr and stats.json are written")
 
 

@@ -3,10 +3,22 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rich.console import Console
 from rich.table import Table
 
 from raysvc.compare.contenders import label_of
 from raysvc.compare.result import Comparison
+
+WIDE = 160
+"""Columns where nobody's terminal says how many there are: a table in a file is not cut."""
+
+
+def show(table: Table) -> None:
+    """Print a table to standard output."""
+    console = Console()
+    if not console.is_terminal:
+        console.width = WIDE
+    console.print(table)
 
 
 def stage_table(statistics: Mapping[str, Any]) -> Table:

@@ -114,8 +114,7 @@ STEPS: Final[Mapping[str, str]] = {
     "bvh": "a step fetches an inner node and tests the boxes of both children",
     "bvh_stackless": "a step fetches a node and tests its own box",
     "kd": "a step fetches a node; an inner one is one plane test",
-    "bih": "a step fetches a node; an inner one is two plane tests",
-    "bvh8": "a step fetches an inner node and tests the boxes of its eight children at once",
+    "bih": "a step fetches a node; an inner one is two plane tests, or clips its cell by two",
     "embree": "not seen from outside",
 }
 """What a node step is, by the registry's names."""
