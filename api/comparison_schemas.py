@@ -32,6 +32,9 @@ class ComparisonResource(JobResource):
     structures: list[dict[str, Any]] | None = Field(
         None, description="`name`, `trees`, `build`, `traversal` of each."
     )
+    sampled: dict[str, int] | None = Field(
+        None, description="From how many `epo_triangles` and `lcv_rays` `epo` and `lcv` come."
+    )
     steps: dict[str, str] | None = Field(None, description="What a node step is, by structure.")
     scaling: dict[str, Any] | None = None
     talk_2009: dict[str, Any] | None = Field(

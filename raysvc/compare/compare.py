@@ -121,10 +121,12 @@ class _Work:
         low, high = self._scene.bounds()
         diagonal = float(np.linalg.norm(high - low)) or 1.0
         counters, hits, reports = [], [], []
+        sampled: dict[str, int] = {}
         for each in contenders:
             self._steps.next(f"judging {each.label}")
             quality = quality_of(each.structure, each.triangles)
             reports.append(with_quality(each.structure.report, quality))
+            sampled = {"epo_triangles": quality.epo_triangles, "lcv_rays": quality.lcv_rays}
             self._steps.next(f"counting {each.label}")
             counters.append(each.count(asked.rays, asked.query, self._control))
             hits.append(each.hits(asked.rays, asked.query, diagonal, self._control))
@@ -154,6 +156,7 @@ class _Work:
             threads=self._threads[-1],
             rounds=settings.rounds,
             structures=figures,
+            sampled=sampled,
             scaling=self._scaling(contenders, asked) if settings.scaling else None,
             talk_2009=talk_beside(source, self._trees),
             machine=machine(),

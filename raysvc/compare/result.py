@@ -133,6 +133,8 @@ class Comparison:
     """What `all_threads` means."""
     rounds: int
     structures: tuple[StructureFigures, ...]
+    sampled: Mapping[str, int]
+    """`epo_triangles`, `lcv_rays`: from how many `epo` and `lcv` come; all triangles are exact."""
     scaling: Scaling | None
     talk_2009: Talk | None
     machine: Mapping[str, Any]
@@ -152,6 +154,7 @@ class Comparison:
             "threads": self.threads,
             "rounds": self.rounds,
             "structures": [asdict(structure) for structure in self.structures],
+            "sampled": dict(self.sampled),
             "steps": {
                 name: text
                 for name, text in STEPS.items()

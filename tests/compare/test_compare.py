@@ -247,3 +247,11 @@ def test_what_would_take_too_long_is_refused(settings, field, cornell):
 def test_rows_are_views(cornell):
     rays = some_rays(10)
     assert np.shares_memory(rows(rays, 2, 5).origins, rays.origins)
+
+
+def test_it_is_said_from_how_many_triangles_and_rays_quality_was_judged(everything):
+    from raysvc.accel.quality import EPO_TRIANGLES, LCV_RAYS
+
+    plain = everything.to_dict()
+    expected = min(plain["triangles"], EPO_TRIANGLES)
+    assert plain["sampled"] == {"epo_triangles": expected, "lcv_rays": LCV_RAYS}
