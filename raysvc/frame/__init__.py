@@ -2,6 +2,6 @@
 
 Settings, View   what a caller may ask
 prepare          what is made once per scene and environment
-STAGES           rasterise -> shadows -> occlusion -> reflections -> light -> edges -> lens
+STAGES           one literal tuple, from the raster to the lens
 Frame            layers, statistics, files
 """

@@ -23,11 +23,6 @@ class Points:
     surface: Surface
 
 
-def footprint_spread(half_height: float, height: int, perspective: bool) -> float:
-    """How fast a pixel's footprint widens, in metres per metre of distance."""
-    return 2.0 * half_height / height if perspective else 0.0
-
-
 def front(points: Points, pixels: int) -> Longs:
     """(pixels,) int64: which of the N points stands for each pixel in its layers, -1 where there
     is none.

@@ -9,7 +9,6 @@ import numpy as np
 from raysvc.builtin import BUILTIN_ENVIRONMENTS
 from raysvc.frame.draft import Draft
 from raysvc.frame.frame import Frame
-from raysvc.frame.points import footprint_spread
 from raysvc.frame.prepared import prepare
 from raysvc.frame.radiance import Illumination
 from raysvc.frame.settings import Settings, checked, settings_from
@@ -66,12 +65,11 @@ def render(
     with ledger.stage("prepare"):
         control.progress("prepare", 0.0)
         prepared = prepare(scene, environment, settings)
-    perspective = resolved.projection == "perspective"
     illumination = Illumination(
         prepared,
         settings,
         settings.occlusion_radius or _occlusion_radius(scene),
-        footprint_spread(resolved.half_height, resolved.height, perspective),
+        resolved.footprint_spread,
         ledger,
     )
     draft = Draft(prepared, resolved, settings, control, ledger, illumination)

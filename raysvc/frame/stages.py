@@ -1,11 +1,12 @@
 """The stages of a frame, each a function from a draft of it to what it adds.
 
-    rasterise -> surfaces -> shadows -> occlusion -> reflections -> light -> edges -> lens
+    rasterise -> layers -> shadows -> occlusion -> reflections -> light -> edges -> lens
 
 Every stage is timed by the caller. Within a stage, chunks of points run on the frame's threads;
 progress, cancelling and the deadline are looked at between them.
 """
 
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -77,7 +78,12 @@ def occlusion(draft: Draft) -> None:
     traced = ~in_front | is_traced(points.pixel, width)
     draft.visible = np.full(len(points.pixel), -1.0, np.float32)
     _trace_occlusion(draft, np.flatnonzero(traced), "occlusion")
-    known = _visibility_picture(draft)
+    known = VisibilityPicture(
+        _by_pixel(draft),
+        draft.layers["depth"],
+        draft.layers["normal"],
+        _depth_step(draft),
+    )
 
     def fill(begin: int, end: int) -> Floats:
         normal = points.surface.normal[begin:end]
@@ -86,7 +92,7 @@ def occlusion(draft: Draft) -> None:
     filled = draft.each(fill, "", ())
     draft.visible[in_front] = filled[in_front]
     _trace_occlusion(draft, np.flatnonzero(draft.visible < 0), "")
-    draft.visibility = _visibility_picture(draft)
+    draft.visibility = replace(known, visible=_by_pixel(draft))
     draft.layers["occlusion"] = np.where(
         draft.front.reshape(draft.shape) >= 0, draft.visibility.visible, np.float32(1.0)
     )
@@ -105,16 +111,12 @@ def _trace_occlusion(draft: Draft, index: Longs, stage: str) -> None:
     for_chunks(len(index), CHUNK // 4, trace, draft.control, stage)
 
 
-def _visibility_picture(draft: Draft) -> VisibilityPicture:
+def _by_pixel(draft: Draft) -> Floats:
+    """(H, W) visibility of the points in front, -1 where it is not known yet."""
     seen = draft.front >= 0
     picture = np.full(len(seen), -1.0, np.float32)
     picture[seen] = draft.visible[draft.front[seen]]
-    return VisibilityPicture(
-        picture.reshape(draft.shape),
-        draft.layers["depth"],
-        draft.layers["normal"],
-        _depth_step(draft),
-    )
+    return picture.reshape(draft.shape)
 
 
 def _depth_step(draft: Draft) -> Floats:

@@ -64,6 +64,11 @@ class Camera:
         """Height of a pixel at view depth 1 (perspective) or anywhere (orthographic)."""
         return 2.0 * self.half_height / self.height
 
+    @property
+    def footprint_spread(self) -> float:
+        """How fast what a pixel sees widens along its ray, in metres per metre of depth."""
+        return self.metres_per_pixel_at_unit_depth if self.projection == "perspective" else 0.0
+
     def rays(self, pixels: Longs, within: Doubles | None = None) -> tuple[Floats, Floats]:
         """Origins and unit directions of rays through pixels.
 
