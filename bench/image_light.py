@@ -153,7 +153,7 @@ def white(normal: Doubles, view: Doubles, metallic: float, roughness: float) -> 
         position=filled(0, 3),
         geometric_normal=normal32,
         normal=normal32,
-        view=np.ascontiguousarray(view, np.float32),
+        to_viewer=np.ascontiguousarray(view, np.float32),
         base_colour=filled(1, 3),
         alpha=filled(1),
         metallic=filled(metallic),

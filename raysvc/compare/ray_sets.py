@@ -183,11 +183,11 @@ class _Diffuse:
         self._rng = rng
 
     def __call__(self, surface: Surface) -> Rays:
-        directions = surface.normal + np.float32(0.9999) * _on_sphere(len(surface), self._rng)
+        directions = surface.normal + np.float32(0.9999) * _on_sphere(surface.size, self._rng)
         below = np.einsum("nk,nk->n", surface.geometric_normal, directions)[:, None]
         directions -= np.minimum(2.0 * below, 0.0) * surface.geometric_normal
         directions /= np.sqrt(np.einsum("nk,nk->n", directions, directions))[:, None]
-        return rays_from(surface, directions, np.full(len(surface), np.inf, np.float32))
+        return rays_from(surface, directions, np.full(surface.size, np.inf, np.float32))
 
 
 class _Shadow:

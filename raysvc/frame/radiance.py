@@ -66,7 +66,7 @@ class Illumination:
 
     def direct(self, surface: Surface) -> Floats:
         """(N, 3) radiance from the sun and punctual lights."""
-        total = np.zeros((len(surface), 3), np.float32)
+        total = np.zeros((surface.size, 3), np.float32)
         for light in self._lights:
             to_light, distance, irradiance = arriving(light, surface.position)
             radius_rad = light.angular_radius_rad if isinstance(light, SunLight) else 0.0
@@ -85,14 +85,14 @@ class Illumination:
         """(N,) part of the hemisphere that is free near each point; 1 without occlusion samples."""
         samples = self._pattern[part]
         if not len(samples):
-            return np.ones(len(surface), np.float32)
-        self._ledger.count("occlusion", len(surface) * len(samples))
+            return np.ones(surface.size, np.float32)
+        self._ledger.count("occlusion", surface.size * len(samples))
         return visibility(self._prepared.world, surface, tile, samples, self._radius_m)
 
     def reflection(self, surface: Surface, footprint: Floats, bounces: int) -> Reflection:
         """What glossy points show of the scene by one mirror ray each, followed `bounces` times."""
-        radiance = np.zeros((len(surface), 3), np.float32)
-        share = np.zeros(len(surface), np.float32)
+        radiance = np.zeros((surface.size, 3), np.float32)
+        share = np.zeros(surface.size, np.float32)
         if bounces == 0:
             return Reflection(radiance, share)
         gloss = glossiness(surface.roughness)
@@ -122,7 +122,7 @@ class Illumination:
 
     def leaving(self, surface: Surface, footprint: Floats, bounces: int) -> Floats:
         """(N, 3) radiance that leaves points which a reflection shows."""
-        tile = np.zeros(len(surface), np.int32)
+        tile = np.zeros(surface.size, np.int32)
         return self.combined(
             surface,
             self.direct(surface),
@@ -147,7 +147,7 @@ class Illumination:
     def _specular_lobe(self, surface: Surface, albedo: Floats) -> Floats:
         """(N, 3) the environment through the specular lobe, by one lookup where that is faint."""
         light, samples = self._prepared.light, self._settings.ibl_lobe_samples
-        lobe = np.empty((len(surface), 3), np.float32)
+        lobe = np.empty((surface.size, 3), np.float32)
         faint = albedo.max(axis=1) < FAINT
         for chosen, lookups in ((faint, 1), (~faint, samples)):
             index = np.flatnonzero(chosen)
@@ -176,7 +176,7 @@ def specular(
     as far as ambient occlusion lets it (Lagarde and de Rousiers 2014, "Moving Frostbite to PBR",
     section 4.10.2).
     """
-    cosine = np.einsum("nk,nk->n", surface.normal, surface.view)
+    cosine = np.einsum("nk,nk->n", surface.normal, surface.to_viewer)
     power = np.exp2(-16.0 * surface.roughness - 1.0)
     free = np.clip(np.power(np.maximum(cosine + visible, 0.0), power) - 1.0 + visible, 0.0, 1.0)
     gloss = glossiness(surface.roughness)

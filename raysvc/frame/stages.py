@@ -122,7 +122,7 @@ def _by_pixel(draft: Draft) -> Floats:
 def _depth_step(draft: Draft) -> Floats:
     """(H, W) metres that depth may change from a pixel to the next on the surface it shows."""
     surface, points = draft.points.surface, draft.points
-    cosine = np.einsum("nk,nk->n", surface.geometric_normal, surface.view)
+    cosine = np.einsum("nk,nk->n", surface.geometric_normal, surface.to_viewer)
     slope = np.sqrt(np.maximum(1.0 - cosine**2, 0.0)) / np.maximum(cosine, 0.05)
     step = np.full(len(draft.front), np.inf, np.float32)
     seen = draft.front >= 0

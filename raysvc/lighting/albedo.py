@@ -52,15 +52,10 @@ def albedo_tables() -> AlbedoTables:
 
 def specular_albedo(surface: Surface) -> Floats:
     """Share (N, 3) float32 of constant light that the specular lobe returns: F0 A + B."""
-    albedo = np.empty((len(surface), 3), np.float32)
+    albedo = np.empty((surface.size, 3), np.float32)
     specular_albedos(
         albedo_tables().specular,
-        surface.normal,
-        surface.view,
-        surface.base_colour,
-        surface.metallic,
-        surface.roughness,
-        surface.dielectric_f0,
+        surface,
         albedo,
     )
     return albedo
@@ -68,14 +63,10 @@ def specular_albedo(surface: Surface) -> Floats:
 
 def diffuse_albedo(surface: Surface) -> Floats:
     """Share (N, 3) float32 of constant light that the diffuse lobe returns: c (1 - F0) (1 - C)."""
-    albedo = np.empty((len(surface), 3), np.float32)
+    albedo = np.empty((surface.size, 3), np.float32)
     diffuse_albedos(
         albedo_tables().diffuse,
-        surface.normal,
-        surface.view,
-        surface.base_colour,
-        surface.metallic,
-        surface.dielectric_f0,
+        surface,
         albedo,
     )
     return albedo

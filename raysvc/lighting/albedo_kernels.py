@@ -10,6 +10,7 @@ from raysvc.lighting.brdf import (
     shadowing_given_masking,
     visible_normal,
 )
+from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
 GOLDEN = 0.6180339887498949
@@ -90,40 +91,39 @@ def diffuse_loss(table: Doubles, nov: float) -> float:
 @kernel
 def specular_albedos(
     table: Doubles,
-    normal: Floats,
-    view: Floats,
-    base_colour: Floats,
-    metallic: Floats,
-    roughness: Floats,
-    dielectric_f0: Floats,
+    surface: Surface,
     albedo: Floats,
 ) -> None:
     """Write F0 A + B to `albedo` (N, 3)."""
-    for i in range(len(normal)):
-        nov = normal[i, 0] * view[i, 0] + normal[i, 1] * view[i, 1] + normal[i, 2] * view[i, 2]
-        scale, bias = specular_terms(table, nov, roughness[i])
-        metal = metallic[i]
+    for i in range(len(surface.normal)):
+        nov = (
+            surface.normal[i, 0] * surface.to_viewer[i, 0]
+            + surface.normal[i, 1] * surface.to_viewer[i, 1]
+            + surface.normal[i, 2] * surface.to_viewer[i, 2]
+        )
+        scale, bias = specular_terms(table, nov, surface.roughness[i])
+        metal = surface.metallic[i]
         for c in range(3):
-            f0 = dielectric_f0[i] * (1.0 - metal) + base_colour[i, c] * metal
+            f0 = surface.dielectric_f0[i] * (1.0 - metal) + surface.base_colour[i, c] * metal
             albedo[i, c] = f0 * scale + bias
 
 
 @kernel
 def diffuse_albedos(
     table: Doubles,
-    normal: Floats,
-    view: Floats,
-    base_colour: Floats,
-    metallic: Floats,
-    dielectric_f0: Floats,
+    surface: Surface,
     albedo: Floats,
 ) -> None:
     """Write c_diff (1 - F0) (1 - C) to `albedo` (N, 3)."""
-    for i in range(len(normal)):
-        nov = normal[i, 0] * view[i, 0] + normal[i, 1] * view[i, 1] + normal[i, 2] * view[i, 2]
+    for i in range(len(surface.normal)):
+        nov = (
+            surface.normal[i, 0] * surface.to_viewer[i, 0]
+            + surface.normal[i, 1] * surface.to_viewer[i, 1]
+            + surface.normal[i, 2] * surface.to_viewer[i, 2]
+        )
         kept = 1.0 - diffuse_loss(table, nov)
-        metal = metallic[i]
+        metal = surface.metallic[i]
         for c in range(3):
-            base = base_colour[i, c]
-            f0 = dielectric_f0[i] * (1.0 - metal) + base * metal
+            base = surface.base_colour[i, c]
+            f0 = surface.dielectric_f0[i] * (1.0 - metal) + base * metal
             albedo[i, c] = base * (1.0 - metal) * (1.0 - f0) * kept

@@ -79,15 +79,9 @@ def reflected(
     -------
     (N, 3) float32; nothing for light from behind the triangle or behind the shading normal
     """
-    radiance = np.empty((len(surface), 3), np.float32)
+    radiance = np.empty((surface.size, 3), np.float32)
     reflect_light(
-        surface.geometric_normal,
-        surface.normal,
-        surface.view,
-        surface.base_colour,
-        surface.metallic,
-        surface.roughness,
-        surface.dielectric_f0,
+        surface,
         to_light,
         irradiance,
         float(angular_radius_rad),

@@ -11,39 +11,44 @@ from raysvc.lighting.brdf import (
     ggx_density_under_disc,
     smith_visibility,
 )
+from raysvc.shading.surface import Surface
 from raysvc.types import Floats
 
 
 @kernel
 def reflect_light(
-    geometric_normal: Floats,
-    normal: Floats,
-    view: Floats,
-    base_colour: Floats,
-    metallic: Floats,
-    roughness: Floats,
-    dielectric_f0: Floats,
+    surface: Surface,
     to_light: Floats,
     irradiance: Floats,
     angular_radius: float,
     radiance: Floats,
 ) -> None:
     """Write BRDF x irradiance x N.L of a disc of `angular_radius` radians to `radiance` (N, 3)."""
-    for i in range(len(normal)):
+    for i in range(len(surface.normal)):
         radiance[i, 0] = 0.0
         radiance[i, 1] = 0.0
         radiance[i, 2] = 0.0
         lx, ly, lz = float(to_light[i, 0]), float(to_light[i, 1]), float(to_light[i, 2])
         facing = (
-            geometric_normal[i, 0] * lx + geometric_normal[i, 1] * ly + geometric_normal[i, 2] * lz
+            surface.geometric_normal[i, 0] * lx
+            + surface.geometric_normal[i, 1] * ly
+            + surface.geometric_normal[i, 2] * lz
         )
-        nx, ny, nz = float(normal[i, 0]), float(normal[i, 1]), float(normal[i, 2])
+        nx, ny, nz = (
+            float(surface.normal[i, 0]),
+            float(surface.normal[i, 1]),
+            float(surface.normal[i, 2]),
+        )
         nol = nx * lx + ny * ly + nz * lz
         if facing <= 0.0 or nol <= 0.0:
             continue
 
         # Half vector, in double precision: narrow lobes live on the seventh digit
-        vx, vy, vz = float(view[i, 0]), float(view[i, 1]), float(view[i, 2])
+        vx, vy, vz = (
+            float(surface.to_viewer[i, 0]),
+            float(surface.to_viewer[i, 1]),
+            float(surface.to_viewer[i, 2]),
+        )
         nov = max(nx * vx + ny * vy + nz * vz, MIN_COSINE)
         hx, hy, hz = lx + vx, ly + vy, lz + vz
         h2 = max(hx * hx + hy * hy + hz * hz, 1e-18)
@@ -53,18 +58,18 @@ def reflect_light(
         sine2 = min((cx * cx + cy * cy + cz * cz) / (h2 * n2), 1.0)
 
         lobe = 0.0
-        if angular_radius == 0.0 or roughness[i] > MIRROR_ROUGHNESS:
-            alpha = ggx_alpha(float(roughness[i]))
+        if angular_radius == 0.0 or surface.roughness[i] > MIRROR_ROUGHNESS:
+            alpha = ggx_alpha(float(surface.roughness[i]))
             # A disc of lights is a disc of half vectors: d_omega_l = 4 V.H d_omega_h
             radius2 = angular_radius * angular_radius / (4.0 * voh)
             lobe = ggx_density_under_disc(sine2, alpha, radius2)
             lobe *= smith_visibility(nol, nov, alpha)
         weight = fresnel_weight(voh)
 
-        metal = metallic[i]
+        metal = surface.metallic[i]
         for c in range(3):
-            base = base_colour[i, c]
-            f0 = dielectric_f0[i] * (1.0 - metal) + base * metal
+            base = surface.base_colour[i, c]
+            f0 = surface.dielectric_f0[i] * (1.0 - metal) + base * metal
             fresnel = f0 + (1.0 - f0) * weight
             diffuse = (1.0 - fresnel) * base * (1.0 - metal) / math.pi
             radiance[i, c] = (diffuse + fresnel * lobe) * nol * irradiance[i, c]

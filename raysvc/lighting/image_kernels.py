@@ -21,6 +21,7 @@ from raysvc.lighting.brdf import (
     visible_normal,
 )
 from raysvc.lighting.sphere_kernels import map_radiance, mean_radiance
+from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
 MAX_SOLID_ANGLE = 3.5
@@ -98,18 +99,14 @@ def diffuse_light(
     cos_yaw: float,
     sin_yaw: float,
     strength: float,
-    normal: Floats,
-    view: Floats,
-    base_colour: Floats,
-    metallic: Floats,
-    dielectric_f0: Floats,
+    surface: Surface,
     radiance: Floats,
 ) -> None:
     """Write the diffuse lobe's radiance to `radiance` (N, 3)."""
     samples = len(pattern)
-    for i in range(len(normal)):
-        nx, ny, nz = _turned(normal, i, cos_yaw, sin_yaw)
-        vx, vy, vz = _turned(view, i, cos_yaw, sin_yaw)
+    for i in range(len(surface.normal)):
+        nx, ny, nz = _turned(surface.normal, i, cos_yaw, sin_yaw)
+        vx, vy, vz = _turned(surface.to_viewer, i, cos_yaw, sin_yaw)
         nov = nx * vx + ny * vy + nz * vz
         red, green, blue, total = 0.0, 0.0, 0.0, 0.0
         for around in range(2):
@@ -135,12 +132,12 @@ def diffuse_light(
                 green += weight * g
                 blue += weight * bl
                 total += weight
-        metal = metallic[i]
+        metal = surface.metallic[i]
         scale = strength * (1.0 - metal) * (1.0 - diffuse_loss(losses, nov)) / max(total, 1e-12)
-        f0 = dielectric_f0[i] * (1.0 - metal)
+        f0 = surface.dielectric_f0[i] * (1.0 - metal)
         for c in range(3):
             light = red if c == 0 else (green if c == 1 else blue)
-            base = base_colour[i, c]
+            base = surface.base_colour[i, c]
             radiance[i, c] = base * (1.0 - f0 - base * metal) * scale * light
 
 
@@ -155,30 +152,25 @@ def specular_light(
     cos_yaw: float,
     sin_yaw: float,
     strength: float,
-    normal: Floats,
-    view: Floats,
-    base_colour: Floats,
-    metallic: Floats,
-    roughness: Floats,
-    dielectric_f0: Floats,
+    surface: Surface,
     radiance: Floats,
 ) -> None:
     """Write the specular lobe's radiance to `radiance` (N, 3)."""
     samples = len(pattern)
-    for i in range(len(normal)):
-        nx, ny, nz = _turned(normal, i, cos_yaw, sin_yaw)
-        vx, vy, vz = _turned(view, i, cos_yaw, sin_yaw)
+    for i in range(len(surface.normal)):
+        nx, ny, nz = _turned(surface.normal, i, cos_yaw, sin_yaw)
+        vx, vy, vz = _turned(surface.to_viewer, i, cos_yaw, sin_yaw)
         nov = nx * vx + ny * vy + nz * vz
         # F = F0 (1 - x) + x: light weighted by 1 - x is `scale`, by x is `bias`
         r_scale, g_scale, b_scale, scale = 0.0, 0.0, 0.0, 1e-30
         r_bias, g_bias, b_bias, bias = 0.0, 0.0, 0.0, 1e-30
-        if roughness[i] <= MIRROR_ROUGHNESS:
+        if surface.roughness[i] <= MIRROR_ROUGHNESS:
             lx, ly, lz = 2.0 * nov * nx - vx, 2.0 * nov * ny - vy, 2.0 * nov * nz - vz
             r_scale, g_scale, b_scale = map_radiance(raw_map, lx, ly, lz)
             r_bias, g_bias, b_bias = r_scale, g_scale, b_scale
             scale, bias = 1.0, 1.0
         else:
-            alpha = ggx_alpha(float(roughness[i]))
+            alpha = ggx_alpha(float(surface.roughness[i]))
             cos_v = max(nov, MIN_COSINE)
             for around in range(2):
                 share = _frame_share(ny)
@@ -226,10 +218,10 @@ def specular_light(
                     r_bias, g_bias, b_bias = r_bias + wx * r, g_bias + wx * g, b_bias + wx * b
                     scale, bias = scale + w1, bias + wx
 
-        term_a, term_b = specular_terms(terms, nov, float(roughness[i]))
-        metal = metallic[i]
+        term_a, term_b = specular_terms(terms, nov, float(surface.roughness[i]))
+        metal = surface.metallic[i]
         for c in range(3):
-            f0 = dielectric_f0[i] * (1.0 - metal) + base_colour[i, c] * metal
+            f0 = surface.dielectric_f0[i] * (1.0 - metal) + surface.base_colour[i, c] * metal
             lit = r_scale if c == 0 else (g_scale if c == 1 else b_scale)
             grazing = r_bias if c == 0 else (g_bias if c == 1 else b_bias)
             mean = (f0 * lit + grazing) / (f0 * scale + bias)

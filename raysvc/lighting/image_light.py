@@ -76,7 +76,7 @@ class ImageLight:
         -------
         (N, 3) float32
         """
-        result = np.empty((len(surface), 3), np.float32)
+        result = np.empty((surface.size, 3), np.float32)
         diffuse_light(
             self._table.sharp,
             self._table.soft,
@@ -85,11 +85,7 @@ class ImageLight:
             DIFFUSE_LIFT,
             *self._turn,
             self._strength,
-            surface.normal,
-            surface.view,
-            surface.base_colour,
-            surface.metallic,
-            surface.dielectric_f0,
+            surface,
             result,
         )
         return result
@@ -111,7 +107,7 @@ class ImageLight:
         -------
         (N, 3) float32
         """
-        result = np.empty((len(surface), 3), np.float32)
+        result = np.empty((surface.size, 3), np.float32)
         specular_light(
             self._table.sharp,
             self._table.soft,
@@ -121,12 +117,7 @@ class ImageLight:
             SPECULAR_LIFT,
             *self._turn,
             self._strength,
-            surface.normal,
-            surface.view,
-            surface.base_colour,
-            surface.metallic,
-            surface.roughness,
-            surface.dielectric_f0,
+            surface,
             result,
         )
         return result

@@ -99,12 +99,7 @@ class SceneTables:
         texture_filter
             a key of TEXTURE_FILTERS
         """
-        count = len(triangle)
-        vectors = [np.empty((count, 3), np.float32) for _ in range(6)]
-        scalars = [np.empty(count, np.float32) for _ in range(6)]
-        position, geometric_normal, normal, view, base_colour, emissive = vectors
-        alpha, metallic, roughness, dielectric_f0, occlusion, clearance = scalars
-        unlit = np.empty(count, np.bool_)
+        surface = Surface.empty(len(triangle))
         evaluate(
             self.geometry,
             self.materials,
@@ -114,32 +109,6 @@ class SceneTables:
             directions,
             footprint,
             TEXTURE_FILTERS[texture_filter],
-            position,
-            geometric_normal,
-            normal,
-            view,
-            base_colour,
-            alpha,
-            metallic,
-            roughness,
-            dielectric_f0,
-            emissive,
-            occlusion,
-            unlit,
-            clearance,
+            surface,
         )
-        return Surface(
-            position,
-            geometric_normal,
-            normal,
-            view,
-            base_colour,
-            alpha,
-            metallic,
-            roughness,
-            dielectric_f0,
-            emissive,
-            occlusion,
-            unlit,
-            clearance,
-        )
+        return surface

@@ -1,16 +1,17 @@
 """N points of surfaces with everything that light needs to know about them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 
 from raysvc.types import Bools, Floats, Longs
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Surface:
+class Surface(NamedTuple):
     """Points with materials evaluated; world space, linear Rec.709, float32 except `unlit`.
+
+    A tuple of arrays, so that kernels take it whole.
 
     Attributes
     ----------
@@ -20,7 +21,7 @@ class Surface:
         (N, 3) unit normal of the triangle, on the viewer's side
     normal
         (N, 3) unit shading normal with the normal map applied, on the viewer's side
-    view
+    to_viewer
         (N, 3) unit, from the point towards whoever looks (camera, or the origin of a reflected ray)
     base_colour, alpha
         (N, 3), (N,)
@@ -42,7 +43,7 @@ class Surface:
     position: Floats
     geometric_normal: Floats
     normal: Floats
-    view: Floats
+    to_viewer: Floats
     base_colour: Floats
     alpha: Floats
     metallic: Floats
@@ -53,20 +54,39 @@ class Surface:
     unlit: Bools
     clearance: Floats
 
-    def __len__(self) -> int:
+    @property
+    def size(self) -> int:
+        """Number of points."""
         return len(self.position)
+
+    @staticmethod
+    def empty(count: int) -> "Surface":
+        """Return room for points, to be filled."""
+        return Surface(
+            position=np.empty((count, 3), np.float32),
+            geometric_normal=np.empty((count, 3), np.float32),
+            normal=np.empty((count, 3), np.float32),
+            to_viewer=np.empty((count, 3), np.float32),
+            base_colour=np.empty((count, 3), np.float32),
+            alpha=np.empty(count, np.float32),
+            metallic=np.empty(count, np.float32),
+            roughness=np.empty(count, np.float32),
+            dielectric_f0=np.empty(count, np.float32),
+            emissive=np.empty((count, 3), np.float32),
+            occlusion=np.empty(count, np.float32),
+            unlit=np.empty(count, np.bool_),
+            clearance=np.empty(count, np.float32),
+        )
 
     @staticmethod
     def joined(parts: Sequence["Surface"]) -> "Surface":
         """Return the points of one or more parts, one after the other."""
-        return Surface(
-            **{f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Surface)}
-        )
+        return Surface._make(np.concatenate(arrays) for arrays in zip(*parts, strict=True))
 
     def chosen(self, index: Longs | Bools) -> "Surface":
         """Return some points, as copies."""
-        return Surface(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
+        return Surface._make(array[index] for array in self)
 
     def rows(self, begin: int, end: int) -> "Surface":
         """Return points begin..end as views, without a copy."""
-        return Surface(**{f.name: getattr(self, f.name)[begin:end] for f in fields(self)})
+        return Surface._make(array[begin:end] for array in self)

@@ -24,8 +24,9 @@ from raysvc.shading.material_table import (
     ROUGHNESS,
     MaterialTable,
 )
+from raysvc.shading.surface import Surface
 from raysvc.shading.texture_kernels import TextureTable
-from raysvc.types import Bools, Floats, Ints
+from raysvc.types import Floats, Ints
 
 CLEARANCE = 256 * 1.1920929e-07
 """Of a ray that leaves a triangle, as a part of its largest coordinate: 256 steps of float32."""
@@ -43,21 +44,9 @@ def evaluate(
     directions: Floats,
     footprint: Floats,
     texture_filter: int,
-    position: Floats,
-    geometric_normal: Floats,
-    normal: Floats,
-    view: Floats,
-    base_colour: Floats,
-    alpha: Floats,
-    metallic: Floats,
-    roughness: Floats,
-    dielectric_f0: Floats,
-    emissive: Floats,
-    occlusion: Floats,
-    unlit: Bools,
-    clearance: Floats,
+    surface: Surface,
 ) -> None:
-    """Fill the arrays of a `Surface` for N points.
+    """Fill the arrays of a `Surface` of N points.
 
     triangle (N,), barycentric (N, 2); directions (N, 3) unit, of the rays that arrived; footprint
     (N,) width in metres of what a pixel sees there, across the ray.
@@ -114,13 +103,15 @@ def evaluate(
         )
         colour = geometry.colours
         vertex = mixed3(colour, i0, i1, i2, u, v)
-        base_colour[n, 0] = factors[material, BASE] * texel[0] * vertex[0]
-        base_colour[n, 1] = factors[material, BASE + 1] * texel[1] * vertex[1]
-        base_colour[n, 2] = factors[material, BASE + 2] * texel[2] * vertex[2]
-        alpha[n] = 1.0
+        surface.base_colour[n, 0] = factors[material, BASE] * texel[0] * vertex[0]
+        surface.base_colour[n, 1] = factors[material, BASE + 1] * texel[1] * vertex[1]
+        surface.base_colour[n, 2] = factors[material, BASE + 2] * texel[2] * vertex[2]
+        surface.alpha[n] = 1.0
         if materials.flags[material, 0] == BLEND:
             vertex_alpha = weights[0] * colour[i0, 3] + u * colour[i1, 3] + v * colour[i2, 3]
-            alpha[n] = min(max(factors[material, ALPHA] * texel[3] * vertex_alpha, 0.0), 1.0)
+            surface.alpha[n] = min(
+                max(factors[material, ALPHA] * texel[3] * vertex_alpha, 0.0), 1.0
+            )
 
         # Metalness, roughness, occlusion, emission
         texel = read_slot(
@@ -134,9 +125,9 @@ def evaluate(
             metres,
             texture_filter,
         )
-        roughness[n] = min(max(factors[material, ROUGHNESS] * texel[1], 0.0), 1.0)
-        metallic[n] = min(max(factors[material, METALLIC] * texel[2], 0.0), 1.0)
-        dielectric_f0[n] = factors[material, F0]
+        surface.roughness[n] = min(max(factors[material, ROUGHNESS] * texel[1], 0.0), 1.0)
+        surface.metallic[n] = min(max(factors[material, METALLIC] * texel[2], 0.0), 1.0)
+        surface.dielectric_f0[n] = factors[material, F0]
         texel = read_slot(
             geometry,
             materials,
@@ -148,7 +139,7 @@ def evaluate(
             metres,
             texture_filter,
         )
-        occlusion[n] = 1.0 + factors[material, OCCLUSION_STRENGTH] * (texel[0] - 1.0)
+        surface.occlusion[n] = 1.0 + factors[material, OCCLUSION_STRENGTH] * (texel[0] - 1.0)
         texel = read_slot(
             geometry,
             materials,
@@ -160,20 +151,20 @@ def evaluate(
             metres,
             texture_filter,
         )
-        emissive[n, 0] = factors[material, EMISSIVE] * texel[0]
-        emissive[n, 1] = factors[material, EMISSIVE + 1] * texel[1]
-        emissive[n, 2] = factors[material, EMISSIVE + 2] * texel[2]
-        unlit[n] = materials.flags[material, 1] == 1
+        surface.emissive[n, 0] = factors[material, EMISSIVE] * texel[0]
+        surface.emissive[n, 1] = factors[material, EMISSIVE + 1] * texel[1]
+        surface.emissive[n, 2] = factors[material, EMISSIVE + 2] * texel[2]
+        surface.unlit[n] = materials.flags[material, 1] == 1
 
         largest = 0.0
         for k in range(3):
             largest = max(largest, abs(geometry.positions[i0, k]))
             largest = max(largest, abs(geometry.positions[i1, k]))
             largest = max(largest, abs(geometry.positions[i2, k]))
-        clearance[n] = CLEARANCE * largest
+        surface.clearance[n] = CLEARANCE * largest
         point = mixed3(geometry.positions, i0, i1, i2, u, v)
         for k in range(3):
-            position[n, k] = point[k]
-            geometric_normal[n, k] = ng[k]
-            normal[n, k] = ns[k]
-            view[n, k] = towards[k]
+            surface.position[n, k] = point[k]
+            surface.geometric_normal[n, k] = ng[k]
+            surface.normal[n, k] = ns[k]
+            surface.to_viewer[n, k] = towards[k]

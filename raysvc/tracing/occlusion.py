@@ -55,21 +55,12 @@ def visibility(
 
     `tile` (N,) shifts the pattern `samples` (K, 2) by so many quarters.
     """
-    count = len(surface) * len(samples)
+    count = surface.size * len(samples)
     origins = np.empty((count, 3), np.float32)
     directions = np.empty((count, 3), np.float32)
-    cosine_rays(
-        surface.position,
-        surface.geometric_normal,
-        surface.clearance,
-        surface.normal,
-        tile,
-        samples,
-        origins,
-        directions,
-    )
+    cosine_rays(surface, tile, samples, origins, directions)
     rays = Rays(origins, directions, np.full(count, radius_m, np.float32))
-    through = world.transmittance(rays).reshape(len(surface), len(samples))
+    through = world.transmittance(rays).reshape(surface.size, len(samples))
     free: Floats = np.einsum("nk->n", through) / np.float32(len(samples))
     return free
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from raysvc.jit import inlined, kernel
+from raysvc.shading.surface import Surface
 from raysvc.tracing.offset_kernels import offset_origin
 from raysvc.types import Doubles, Floats, Ints, Longs
 
@@ -33,10 +34,7 @@ def basis(n: Vec3) -> tuple[Vec3, Vec3]:
 
 @kernel
 def cosine_rays(
-    position: Floats,
-    geometric_normal: Floats,
-    clearance: Floats,
-    normal: Floats,
+    surface: Surface,
     tile: Ints,
     samples: Doubles,
     origins: Floats,
@@ -47,12 +45,16 @@ def cosine_rays(
     A direction below the triangle is mirrored to its other side.
     """
     count = len(samples)
-    for n in range(len(position)):
-        axis = (float(normal[n, 0]), float(normal[n, 1]), float(normal[n, 2]))
+    for n in range(len(surface.position)):
+        axis = (
+            float(surface.normal[n, 0]),
+            float(surface.normal[n, 1]),
+            float(surface.normal[n, 2]),
+        )
         ng = (
-            float(geometric_normal[n, 0]),
-            float(geometric_normal[n, 1]),
-            float(geometric_normal[n, 2]),
+            float(surface.geometric_normal[n, 0]),
+            float(surface.geometric_normal[n, 1]),
+            float(surface.geometric_normal[n, 2]),
         )
         tangent, bitangent = basis(axis)
         for k in range(count):
@@ -69,7 +71,15 @@ def cosine_rays(
                 dx, dy, dz = dx - 2 * below * ng[0], dy - 2 * below * ng[1], dz - 2 * below * ng[2]
             at = n * count + k
             directions[at, 0], directions[at, 1], directions[at, 2] = dx, dy, dz
-            offset_origin(position, geometric_normal, clearance, n, np.float32(1.0), origins, at)
+            offset_origin(
+                surface.position,
+                surface.geometric_normal,
+                surface.clearance,
+                n,
+                np.float32(1.0),
+                origins,
+                at,
+            )
 
 
 @kernel

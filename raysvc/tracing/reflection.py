@@ -10,12 +10,12 @@ from raysvc.types import Floats, Longs
 
 def mirror_rays(surface: Surface) -> Rays:
     """Rays (N) reflected about the shading normal; any below the triangle is turned up."""
-    cosine = np.einsum("nk,nk->n", surface.normal, surface.view)[:, None]
-    directions = 2.0 * cosine * surface.normal - surface.view
+    cosine = np.einsum("nk,nk->n", surface.normal, surface.to_viewer)[:, None]
+    directions = 2.0 * cosine * surface.normal - surface.to_viewer
     above = np.einsum("nk,nk->n", surface.geometric_normal, directions)[:, None]
     directions -= np.minimum(2.0 * above, 0.0) * surface.geometric_normal
     directions /= np.sqrt(np.einsum("nk,nk->n", directions, directions))[:, None]
-    return rays_from(surface, directions, np.full(len(surface), np.inf, np.float32))
+    return rays_from(surface, directions, np.full(surface.size, np.inf, np.float32))
 
 
 def rays_from(

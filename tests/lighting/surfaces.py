@@ -17,7 +17,7 @@ def surface_of(normal, view, base=1.0, metallic=1.0, roughness=0.5, dielectric_f
         position=filled(0, 3),
         geometric_normal=normal,
         normal=normal,
-        view=filled(view, 3),
+        to_viewer=filled(view, 3),
         base_colour=filled(base, 3),
         alpha=filled(1),
         metallic=filled(metallic),

@@ -27,7 +27,9 @@ def test_a_point_light_is_reflected_by_the_formula_of_gltf(rng, metallic, roughn
     for i in range(200):
         n = surface.normal[i].astype(float)
         towards = light[i : i + 1].astype(float)
-        lobes = gltf_lobes(n, surface.view[i].astype(float), towards, base, metallic, roughness)
+        lobes = gltf_lobes(
+            n, surface.to_viewer[i].astype(float), towards, base, metallic, roughness
+        )
         expected = 2.0 * sum(lobes)[0] * max(n @ towards[0], 0)
         np.testing.assert_allclose(got[i], expected, rtol=1e-3, atol=1e-6)
 

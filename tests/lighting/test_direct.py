@@ -62,7 +62,7 @@ def test_light_at_a_point_is_finite():
 def test_light_from_behind_the_triangle_gives_nothing():
     tilted = np.array([[math.sin(0.3), math.cos(0.3), 0]])
     surface = surface_of(tilted, UP, roughness=0.5, metallic=0.0)
-    object.__setattr__(surface, "geometric_normal", UP.astype(np.float32))
+    surface = surface._replace(geometric_normal=UP.astype(np.float32))
     behind = np.array([[math.cos(0.1), -math.sin(0.1), 0]], np.float32)
     assert float(surface.normal[0] @ behind[0]) > 0
     assert not reflected(surface, behind, np.ones((1, 3), np.float32), 0.0).any()

@@ -82,7 +82,7 @@ def test_lobes_come_close_to_brute_force_integrals(sky, rng, roughness, samples,
     fine = np.repeat(np.repeat(smooth_sky(), 4, axis=0), 4, axis=1)
     errors = []
     for i in range(60):
-        n, v = surface.normal[i].astype(float), surface.view[i].astype(float)
+        n, v = surface.normal[i].astype(float), surface.to_viewer[i].astype(float)
         expected = outgoing(fine, n, v, BASE, 0.0, roughness)
         errors.append([np.abs(diffuse[i] / expected[0] - 1), np.abs(specular[i] / expected[1] - 1)])
     mean = np.mean(errors, axis=(0, 2))

@@ -38,7 +38,7 @@ def test_a_plain_material_is_its_factors():
     assert surface.occlusion[0] == 1
     assert surface.unlit[0]
     assert surface.position[0] == pytest.approx([-0.2, 0.4, 0])
-    assert surface.view[0].tolist() == [0, 0, 1]
+    assert surface.to_viewer[0].tolist() == [0, 0, 1]
     assert surface.geometric_normal[0].tolist() == [0, 0, 1]
     assert surface.normal[0].tolist() == [0, 0, 1]
 
@@ -184,8 +184,8 @@ def test_normals_are_unit_and_never_turned_from_the_viewer(seed):
     )
     for vectors in (surface.normal, surface.geometric_normal):
         assert np.linalg.norm(vectors, axis=1) == pytest.approx(np.ones(30), abs=1e-5)
-        assert (np.einsum("nk,nk->n", vectors, surface.view) >= -1e-6).all()
-    assert (np.einsum("nk,nk->n", surface.normal, surface.view) > 0).all()
+        assert (np.einsum("nk,nk->n", vectors, surface.to_viewer) >= -1e-6).all()
+    assert (np.einsum("nk,nk->n", surface.normal, surface.to_viewer) > 0).all()
 
 
 def test_positions_lie_in_the_plane_of_their_triangle(rng):
@@ -288,7 +288,7 @@ def test_a_bumped_normal_is_bent_until_the_viewer_is_above_it():
 def test_surfaces_are_joined_chosen_and_cut_in_order(rng):
     surface = at_uv(quad(), rng.random((5, 2)))
     double = Surface.joined([surface, surface.rows(1, 3)])
-    assert len(double) == 7
+    assert double.size == 7
     assert (double.position[5:] == surface.position[1:3]).all()
     assert (surface.chosen(np.array([4, 0])).position == surface.position[[4, 0]]).all()
     assert len(surface.chosen(np.zeros(5, bool))) == 0

@@ -21,7 +21,7 @@ def points(position, normal, *, geometric_normal=None, view=None):
         position=position,
         geometric_normal=vectors(normal if geometric_normal is None else geometric_normal),
         normal=vectors(normal),
-        view=vectors(normal if view is None else view),
+        to_viewer=vectors(normal if view is None else view),
         base_colour=vectors((0.5, 0.5, 0.5)),
         alpha=numbers(1),
         metallic=numbers(0),

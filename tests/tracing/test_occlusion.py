@@ -23,7 +23,7 @@ WHITE = Material(metallic=0.0)
 
 def seen(scene, surface, radius_m, samples=MANY, tile=0):
     world = World(scene, SceneTables.of(scene), "auto")
-    return visibility(world, surface, np.full(len(surface), tile, np.int32), samples, radius_m)
+    return visibility(world, surface, np.full(surface.size, tile, np.int32), samples, radius_m)
 
 
 def wall(x, material=WHITE, half=1000.0):
