@@ -291,5 +291,5 @@ def test_surfaces_are_joined_chosen_and_cut_in_order(rng):
     assert double.size == 7
     assert (double.position[5:] == surface.position[1:3]).all()
     assert (surface.chosen(np.array([4, 0])).position == surface.position[[4, 0]]).all()
-    assert len(surface.chosen(np.zeros(5, bool))) == 0
+    assert surface.chosen(np.zeros(5, bool)).size == 0
     assert np.shares_memory(surface.rows(1, 3).position, surface.position)
