@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from raysvc.accel.base import Accelerator, Rays, Triangles
-from raysvc.accel.forest_kernels import keep_nearer
+from raysvc.accel.nearest_so_far import NearestSoFar
 from raysvc.accel.registry import build
 from raysvc.accel.report import BuildReport, Counters, Query
 from raysvc.errors import LimitExceeded
@@ -41,7 +41,8 @@ class Forest:
             )
         parts = [Triangles(triangles.positions, triangles.indices[m]) for m in members]
         self._triangles = triangles
-        self._numbers = members or [np.zeros(0, np.int32)]
+        self.numbers: Sequence[Ints] = members or [np.zeros(0, np.int32)]
+        """For each tree, the numbers of its triangles."""
         self.trees: Sequence[Accelerator] = [
             build(name, part, parameters) for part in parts or [triangles]
         ]
@@ -59,9 +60,9 @@ class Forest:
 
     def nearest_triangle(self, rays: Rays) -> Ints:
         """(R,) int32: the first triangle along each ray, the lowest where several tie, or -1."""
-        nearest = _Nearest(self._triangles, rays)
-        for number, tree in zip(self._numbers, self.trees, strict=True):
-            nearest.take(tree.nearest_triangle(nearest.rays), number)
+        nearest = NearestSoFar(self._triangles, rays)
+        for number, tree in zip(self.numbers, self.trees, strict=True):
+            nearest.take(numbered(tree.nearest_triangle(nearest.rays), number))
         return nearest.triangle
 
     def occluded(self, rays: Rays) -> Bools:
@@ -74,9 +75,9 @@ class Forest:
 
     def counted(self, rays: Rays, query: Query) -> Counters | None:
         """Ask again and say what it took in all trees together; None where it cannot be seen."""
-        nearest = _Nearest(self._triangles, rays)
+        nearest = NearestSoFar(self._triangles, rays)
         total: Counters | None = None
-        for number, tree in zip(self._numbers, self.trees, strict=True):
+        for number, tree in zip(self.numbers, self.trees, strict=True):
             asked = np.arange(len(rays))
             if query == "occluded":
                 asked = np.flatnonzero(nearest.triangle < 0)
@@ -85,7 +86,7 @@ class Forest:
                 return None
             found = np.full(len(rays), -1, np.int32)
             found[asked] = counters.triangle
-            nearest.take(found, number)
+            nearest.take(numbered(found, number))
             total = _added(total, counters, asked, len(rays))
         assert total is not None
         return replace(total, triangle=nearest.triangle)
@@ -94,36 +95,18 @@ class Forest:
         """Return the same trees with vertices moved to positions (V, 3)."""
         moved = Forest.__new__(Forest)
         moved._triangles = Triangles(positions, self._triangles.indices)
-        moved._numbers = self._numbers
+        moved.numbers = self.numbers
         moved.trees = [tree.refitted(positions) for tree in self.trees]
-        parts = [Triangles(positions, self._triangles.indices[n]) for n in self._numbers]
+        parts = [Triangles(positions, self._triangles.indices[n]) for n in self.numbers]
         moved.report = _joined(moved.trees, _areas(parts), len(self._triangles.indices))
         return moved
 
 
-class _Nearest:
-    """The nearest triangle of each ray so far; `rays` reach just as far as it."""
-
-    def __init__(self, triangles: Triangles, rays: Rays) -> None:
-        self._triangles = triangles
-        self.triangle = np.full(len(rays), -1, np.int32)
-        self._t: Doubles = np.full(len(rays), np.inf)
-        self.rays = Rays(rays.origins, rays.directions, rays.t_max.copy())
-
-    def take(self, found: Ints, number: Ints) -> None:
-        """Compare with what another tree has found (R,), as numbers within it."""
-        if len(number):
-            found = np.where(found >= 0, number[found], np.int32(-1))
-        keep_nearer(
-            self.rays.origins,
-            self.rays.directions,
-            self._triangles.positions,
-            self._triangles.indices,
-            found,
-            self.triangle,
-            self._t,
-            self.rays.t_max,
-        )
+def numbered(found: Ints, number: Ints) -> Ints:
+    """Numbers (R,) among all triangles of those found (R,) among the triangles number (M,)."""
+    if not len(number):
+        return found
+    return np.where(found >= 0, number[found], np.int32(-1))
 
 
 def _some(rays: Rays, index: Any) -> Rays:

@@ -5,7 +5,8 @@ from typing import Literal
 import numpy as np
 
 from raysvc.accel.base import Accelerator, Hits, Rays, Triangles, hits_on
-from raysvc.accel.forest import Forest
+from raysvc.accel.forest import Forest, numbered
+from raysvc.accel.nearest_so_far import NearestSoFar
 from raysvc.accel.registry import build, choose
 from raysvc.scene import Scene
 from raysvc.shading.scene_tables import SceneTables
@@ -37,31 +38,57 @@ class World:
         self._tables = tables
         self._triangles = Triangles(scene.positions, scene.triangles)
         group = scene.material_of_triangle if trees == "per_material" else None
-        self._solid = _Part(self._triangles, tables.solid, self.structure, group)
+        self._solid = _Part.built(self._triangles, tables.solid, self.structure, group, False)
         holed = ~tables.solid
-        self._holed = _Part(self._triangles, holed, self.structure, group) if holed.any() else None
+        self._holed = (
+            _Part.built(self._triangles, holed, self.structure, group, True)
+            if holed.any()
+            else None
+        )
         parts = [self._solid] if self._holed is None else [self._solid, self._holed]
+        self._trees = [tree for part in parts for tree in part.trees()]
         self.build_seconds = sum(part.tree.report.seconds for part in parts)
 
     def nearest(self, rays: Rays) -> Hits:
         """Nearest hits that can be seen: through holes, and blends that cover less than half."""
-        hits = hits_on(self._triangles, self._solid.nearest_triangle(rays), rays)
-        if self._holed is None:
-            return hits
-        t, triangle, barycentric = hits.t, hits.triangle, hits.barycentric
-        march = March(rays, np.minimum(rays.t_max, t), np.arange(len(rays)))
+        so_far = self.unasked(rays)
+        for number in range(self.trees):
+            self.narrow(number, so_far)
+        return so_far.hits()
+
+    @property
+    def trees(self) -> int:
+        """How many trees are asked one after the other for what is nearest."""
+        return len(self._trees)
+
+    def unasked(self, rays: Rays) -> NearestSoFar:
+        """Return what is known of rays before any tree was asked: nothing."""
+        return NearestSoFar(self._triangles, rays)
+
+    def narrow(self, number: int, so_far: NearestSoFar) -> None:
+        """Ask one of the trees for what can be seen nearer than is known so far.
+
+        After all of them `so_far` holds what `nearest` answers.
+        """
+        tree = self._trees[number]
+        if tree.is_holed:
+            so_far.take(self._first_seen(tree, so_far.rays))
+        else:
+            so_far.take(tree.nearest_triangle(so_far.rays))
+
+    def _first_seen(self, tree: "_Part", rays: Rays) -> Ints:
+        """(R,) nearest triangles of those with holes that cover at least half, or -1."""
+        seen = np.full(len(rays), -1, np.int32)
+        march = March(rays, rays.t_max, np.arange(len(rays)))
         for _ in range(MAX_HOLES):
-            found, alpha = self._next_holed(march)
+            found, alpha = self._next_holed(tree, march)
             met = found.triangle >= 0
             stops = met & (alpha >= HALF_SEEN)
-            at = march.active[stops]
-            t[at] = march.distance(found)[stops]
-            triangle[at] = found.triangle[stops]
-            barycentric[at] = found.barycentric[stops]
+            seen[march.active[stops]] = found.triangle[stops]
             march.go_on(found, met & ~stops)
             if not len(march.active):
                 break
-        return Hits(t, triangle, barycentric)
+        return seen
 
     def along(self, rays: Rays) -> tuple[Longs, Hits]:
         """Everything that a camera's rays show, up to and with what hides the rest.
@@ -112,7 +139,7 @@ class World:
             return through
         march = March(rays, rays.t_max, np.flatnonzero(through > 0))
         for _ in range(MAX_HOLES):
-            found, alpha = self._next_holed(march)
+            found, alpha = self._next_holed(self._holed, march)
             active, new = march.active, march.is_new(found)
             through[active[new]] *= 1.0 - alpha[new]
             march.go_on(found, (found.triangle >= 0) & (through[active] > 0))
@@ -120,31 +147,41 @@ class World:
                 break
         return through
 
-    def _next_holed(self, march: March) -> tuple[Hits, Floats]:
+    def _next_holed(self, part: "_Part", march: March) -> tuple[Hits, Floats]:
         """Nearest holed triangle of marching rays, with t from where they are, and its coverage."""
-        assert self._holed is not None
         some = march.ahead()
-        hits = hits_on(self._triangles, self._holed.nearest_triangle(some), some)
+        hits = hits_on(self._triangles, part.nearest_triangle(some), some)
         return hits, self._tables.alpha(hits.triangle, hits.barycentric)
 
 
 class _Part:
     """A structure over some of a scene's triangles, answering with their numbers in the scene."""
 
-    def __init__(
-        self, triangles: Triangles, chosen: Bools, structure: str, group: Ints | None
-    ) -> None:
-        """With `group` (F,), one tree for each of its numbers."""
-        self._number = np.flatnonzero(chosen).astype(np.int32)
-        self._is_all = len(self._number) == len(triangles.indices)
+    def __init__(self, tree: Accelerator, number: Ints | None, is_holed: bool) -> None:
+        """`number` (M,) are the triangles' numbers, None if they are all; see `World` for holes."""
+        self.tree, self._number, self.is_holed = tree, number, is_holed
+
+    @staticmethod
+    def built(
+        triangles: Triangles, chosen: Bools, structure: str, group: Ints | None, is_holed: bool
+    ) -> "_Part":
+        """Build over the chosen triangles; with `group` (F,), one tree for each of its numbers."""
+        number = None if chosen.all() else np.flatnonzero(chosen).astype(np.int32)
         some = Triangles(triangles.positions, triangles.indices[chosen])
-        self.tree: Accelerator = (
-            build(structure, some) if group is None else Forest(structure, some, group[chosen])
-        )
+        if group is None:
+            return _Part(build(structure, some), number, is_holed)
+        return _Part(Forest(structure, some, group[chosen]), number, is_holed)
+
+    def trees(self) -> "list[_Part]":
+        """Parts that are one tree each: this one, or those of its forest."""
+        if not isinstance(self.tree, Forest):
+            return [self]
+        return [
+            _Part(tree, among if self._number is None else self._number[among], self.is_holed)
+            for tree, among in zip(self.tree.trees, self.tree.numbers, strict=True)
+        ]
 
     def nearest_triangle(self, rays: Rays) -> Ints:
         """(R,) int32: number in the scene of the nearest triangle, or -1."""
         found = self.tree.nearest_triangle(rays)
-        if self._is_all or not len(self._number):
-            return found
-        return np.where(found >= 0, self._number[found], np.int32(-1))
+        return found if self._number is None else numbered(found, self._number)
