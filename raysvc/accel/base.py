@@ -1,7 +1,7 @@
 """The whole contract of an acceleration structure, on one page."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -45,8 +45,7 @@ class Rays:
         return len(self.origins)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Hits:
+class Hits(NamedTuple):
     """Nearest hits of R rays; a miss is t = inf, triangle = -1, barycentric = 0.
 
     t (R,) float32 in units of |direction|; triangle (R,) int32; barycentric (R, 2) float32, the

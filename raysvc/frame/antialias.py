@@ -13,6 +13,9 @@ from raysvc.frame.background import composite
 from raysvc.frame.draft import Draft
 from raysvc.frame.points import Points
 from raysvc.frame.primary import CHUNK, evaluated, traced
+from raysvc.frame.radiance import Lit
+from raysvc.frame.reflections import Reflection, leaving
+from raysvc.lighting.brdf import MIRROR_ROUGHNESS
 from raysvc.parallel import for_chunks
 from raysvc.raster.edges import edge_mask
 from raysvc.tracing.occlusion import tile_of
@@ -97,12 +100,27 @@ def _sampled(draft: Draft, pixel: Longs) -> Floats:
 def _shaded(draft: Draft, points: Points) -> Floats:
     """(N, 3) radiance of points beside pixel centres."""
     surface, illumination = points.surface, draft.illumination
-    return illumination.combined(
-        surface,
-        illumination.direct(surface),
-        _visible_at(draft, points),
-        illumination.reflection(surface, points.footprint, draft.settings.bounces),
+    lit = illumination.lit(
+        surface, points.footprint, illumination.direct(surface), _visible_at(draft, points)
     )
+    return leaving(lit, _reflected_at(draft, points, lit))
+
+
+def _reflected_at(draft: Draft, points: Points, lit: Lit) -> Reflection:
+    """What samples beside pixel centres mirror: rough ones take their neighbours', others trace."""
+    surface = points.surface
+    radiance, share = draft.gloss.gathered(
+        points.pixel, points.depth, surface.normal, surface.roughness
+    )
+    known = (share >= 0) & (surface.roughness > MIRROR_ROUGHNESS)
+    reflection = Reflection.none(surface.size)._replace(
+        radiance=radiance, share=np.where(known, share, np.float32(0.0))
+    )
+    alone = np.flatnonzero(~known)
+    traced = draft.reflections.of(surface.chosen(alone), points.footprint[alone], lit.albedo[alone])
+    reflection.radiance[alone] = traced.radiance
+    reflection.share[alone] = traced.share
+    return reflection
 
 
 def _shared(place: Longs, triangle: Ints) -> tuple[Longs, Longs]:

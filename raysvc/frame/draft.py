@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from raysvc.frame.points import Points
 from raysvc.frame.prepared import Prepared
 from raysvc.frame.primary import CHUNK
-from raysvc.frame.radiance import Illumination, Reflection
+from raysvc.frame.radiance import Illumination
+from raysvc.frame.reflections import Reflection, Reflections
 from raysvc.frame.settings import Settings
 from raysvc.frame.statistics import Ledger
 from raysvc.parallel import Control, map_chunks
 from raysvc.scene import Camera
+from raysvc.tracing.gloss import GlossPicture
 from raysvc.tracing.occlusion import VisibilityPicture
 from raysvc.types import Floats, Longs
 
@@ -29,6 +31,7 @@ class Draft:
     control: Control
     ledger: Ledger
     illumination: Illumination
+    reflections: Reflections
     points: Points = field(init=False)
     front: Longs = field(init=False)
     """(H * W,) which point stands for a pixel in the layers, or -1."""
@@ -37,6 +40,7 @@ class Draft:
     """(N,) ambient visibility."""
     visibility: VisibilityPicture = field(init=False)
     reflection: Reflection = field(init=False)
+    gloss: GlossPicture = field(init=False)
     radiance: Floats = field(init=False)
     """(N, 3) that leaves the points."""
     beauty: Floats = field(init=False)

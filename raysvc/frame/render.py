@@ -11,6 +11,7 @@ from raysvc.frame.draft import Draft
 from raysvc.frame.frame import Frame
 from raysvc.frame.prepared import prepare
 from raysvc.frame.radiance import Illumination
+from raysvc.frame.reflections import Reflections
 from raysvc.frame.settings import Settings, checked, settings_from
 from raysvc.frame.stages import STAGES
 from raysvc.frame.statistics import Ledger, Statistics
@@ -69,10 +70,10 @@ def render(
         prepared,
         settings,
         settings.occlusion_radius or _occlusion_radius(scene),
-        resolved.footprint_spread,
         ledger,
     )
-    draft = Draft(prepared, resolved, settings, control, ledger, illumination)
+    reflections = Reflections(prepared, settings, illumination, resolved.footprint_spread, ledger)
+    draft = Draft(prepared, resolved, settings, control, ledger, illumination, reflections)
     for name, stage in STAGES:
         control.check()
         with ledger.stage(name):
@@ -86,6 +87,8 @@ def render(
         stages=ledger.stages,
         total_seconds=ledger.total_seconds,
         rays=ledger.rays,
+        bounces=ledger.bounces,
+        shading=ledger.shading_cost(resolved.width * resolved.height),
         build={"seconds": prepared.seconds, "cached": prepared.cached},
         edge_fraction=ledger.edge_fraction,
         max_coc_px=ledger.max_coc_px,

@@ -33,6 +33,11 @@ class Settings(BaseModel):
     trees: Literal["one", "per_material"] = Field(
         "one", description="One structure over everything, or one per material: the same picture."
     )
+    passes: Literal["single", "multi"] = Field(
+        "single",
+        description="Shade what reflected rays meet at once, or material by material (and, with one"
+        " tree per material, tree by tree): the same picture.",
+    )
     bounces: int = Field(1, ge=0, le=8, description="How many times a reflection is followed.")
     texture_filter: Literal["mip", "bilinear", "nearest"] = Field(
         "mip",

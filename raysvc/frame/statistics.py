@@ -1,5 +1,6 @@
 """What a frame cost, and what it could not do."""
 
+import math
 import threading
 import time
 from collections import Counter
@@ -18,6 +19,34 @@ class StageTime:
 
 
 @dataclass(frozen=True, slots=True)
+class Bounce:
+    """One bounce of all reflections of a frame."""
+
+    bounce: int
+    """1 for rays that leave what the camera sees."""
+    rays: int
+    energy: float
+    """Mean luminance that the bounce adds to a point that mirrors: light that its rays bring, by
+    the part of it that reaches the picture."""
+
+
+@dataclass(frozen=True, slots=True)
+class ShadingCost:
+    """What `passes` and `trees` decide: the cost of one picture in different orders."""
+
+    traces: int
+    """Reflected rays, each as often as there were trees to ask."""
+    shaded: int
+    """Hits that were shaded."""
+    wasted: int
+    """Of those, how many a later pass wrote over."""
+    wasted_per_pixel: float
+    trace_seconds: float
+    """Of all threads together."""
+    shade_seconds: float
+
+
+@dataclass(frozen=True, slots=True)
 class Statistics:
     """Numbers of one rendered frame."""
 
@@ -30,6 +59,10 @@ class Statistics:
     total_seconds: float
     rays: dict[str, int]
     """Rays traced, by purpose."""
+    bounces: tuple[Bounce, ...]
+    """What each bounce of reflections took and brought."""
+    shading: ShadingCost
+    """How what reflected rays met was found and shaded."""
     build: dict[str, float | bool]
     """`seconds` that the structures and tables took, and whether they were `cached` from an
     earlier frame."""
@@ -44,6 +77,7 @@ class Statistics:
         """Return plain lists, numbers and strings, ready for JSON."""
         plain = asdict(self)
         plain["stages"] = [asdict(stage) for stage in self.stages]
+        plain["bounces"] = [asdict(bounce) for bounce in self.bounces]
         plain["warnings"] = list(self.warnings)
         return plain
 
@@ -55,6 +89,10 @@ class Ledger:
         self._lock = threading.Lock()
         self._rays: Counter[str] = Counter()
         self._seconds: dict[str, float] = {}
+        self._bounce_rays: Counter[int] = Counter()
+        self._energies: dict[int, list[float]] = {}
+        self._shading: Counter[str] = Counter()
+        self._shading_seconds = {"trace": 0.0, "shade": 0.0}
         self._start = time.perf_counter()
         self.edge_fraction = 0.0
         self.max_coc_px = 0.0
@@ -64,6 +102,47 @@ class Ledger:
         """Note that so many rays of a kind were traced."""
         with self._lock:
             self._rays[kind] += rays
+
+    def bounce(self, bounce: int, rays: int, energy: float) -> None:
+        """Note that so many rays of a bounce brought luminance that adds up to `energy`."""
+        with self._lock:
+            self._bounce_rays[bounce] += rays
+            self._energies.setdefault(bounce, []).append(energy)
+
+    def shading(
+        self,
+        traces: int = 0,
+        shaded: int = 0,
+        wasted: int = 0,
+        trace_seconds: float = 0.0,
+        shade_seconds: float = 0.0,
+    ) -> None:
+        """Note what one pass over some rays took."""
+        with self._lock:
+            self._shading.update(traces=traces, shaded=shaded, wasted=wasted)
+            self._shading_seconds["trace"] += trace_seconds
+            self._shading_seconds["shade"] += shade_seconds
+
+    @property
+    def bounces(self) -> tuple[Bounce, ...]:
+        """What each bounce took and brought so far; sums do not depend on the order of chunks."""
+        first = max(self._bounce_rays[1], 1)
+        return tuple(
+            Bounce(bounce, rays, math.fsum(self._energies[bounce]) / first)
+            for bounce, rays in sorted(self._bounce_rays.items())
+            if rays
+        )
+
+    def shading_cost(self, pixels: int) -> ShadingCost:
+        """Return what tracing and shading of reflections took in a picture of so many pixels."""
+        return ShadingCost(
+            traces=self._shading["traces"],
+            shaded=self._shading["shaded"],
+            wasted=self._shading["wasted"],
+            wasted_per_pixel=self._shading["wasted"] / pixels,
+            trace_seconds=self._shading_seconds["trace"],
+            shade_seconds=self._shading_seconds["shade"],
+        )
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:

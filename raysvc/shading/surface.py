@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from raysvc import records
 from raysvc.types import Bools, Floats, Longs
 
 
@@ -81,12 +82,12 @@ class Surface(NamedTuple):
     @staticmethod
     def joined(parts: Sequence["Surface"]) -> "Surface":
         """Return the points of one or more parts, one after the other."""
-        return Surface._make(np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+        return records.joined(parts)
 
     def chosen(self, index: Longs | Bools) -> "Surface":
         """Return some points, as copies."""
-        return Surface._make(array[index] for array in self)
+        return records.chosen(self, index)
 
     def rows(self, begin: int, end: int) -> "Surface":
         """Return points begin..end as views, without a copy."""
-        return Surface._make(array[begin:end] for array in self)
+        return records.rows(self, begin, end)

@@ -4,32 +4,16 @@ import math
 
 import numpy as np
 
-from raysvc.jit import inlined, kernel
+from raysvc.geometry.basis_kernels import basis
+from raysvc.jit import kernel
 from raysvc.shading.surface import Surface
 from raysvc.tracing.offset_kernels import offset_origin
 from raysvc.types import Doubles, Floats, Ints, Longs
 
-Vec3 = tuple[float, float, float]
 TILES = 4
 """How many shifts of the pattern there are."""
 SAME_NORMAL = 0.9
 """Cosine between normals of pixels that are taken to be one surface."""
-
-
-@inlined
-def basis(n: Vec3) -> tuple[Vec3, Vec3]:
-    """Two unit vectors perpendicular to a unit vector and to each other.
-
-    Duff et al. 2017, "Building an Orthonormal Basis, Revisited", JCGT 6(1).
-    """
-    sign = math.copysign(1.0, n[2])
-    a = -1.0 / (sign + n[2])
-    b = n[0] * n[1] * a
-    return (1.0 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]), (
-        b,
-        sign + n[1] * n[1] * a,
-        -n[1],
-    )
 
 
 @kernel

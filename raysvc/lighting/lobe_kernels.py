@@ -1,0 +1,65 @@
+"""Rays into the specular lobe of a surface, one to a point."""
+
+import math
+
+import numpy as np
+
+from raysvc.geometry.basis_kernels import basis
+from raysvc.geometry.vector_kernels import dot, plus, row3, scaled, unit_or
+from raysvc.jit import kernel
+from raysvc.lighting.brdf import (
+    MIN_COSINE,
+    MIRROR_ROUGHNESS,
+    fresnel_weight,
+    ggx_alpha,
+    shadowing_given_masking,
+    visible_normal,
+)
+from raysvc.shading.surface import Surface
+from raysvc.types import Doubles, Floats
+
+
+@kernel
+def lobe_rays(surface: Surface, samples: Doubles, directions: Floats, weight: Floats) -> None:
+    """Fill directions (N, 3), unit, and weight (N,) with samples (N, 2) of the visible normals.
+
+    Light that comes from `directions` counts `weight` times in the mean of what the lobe reflects:
+    G2 / G1 times Fresnel's factor, and nothing for directions below the triangle, which are turned
+    up. In the mirror limit a ray is the mirror's.
+    """
+    for n in range(len(samples)):
+        normal, ng = row3(surface.normal, n), row3(surface.geometric_normal, n)
+        view = row3(surface.to_viewer, n)
+        nov = max(dot(normal, view), MIN_COSINE)
+        weight[n] = 1.0
+        half = normal
+        if surface.roughness[n] > MIRROR_ROUGHNESS:
+            alpha = ggx_alpha(np.float64(surface.roughness[n]))
+            tangent, bitangent = basis(normal)
+            local = unit_or((dot(view, tangent), dot(view, bitangent), nov), (0.0, 0.0, 1.0))
+            turn = 2.0 * math.pi * samples[n, 0]
+            h = visible_normal(local, alpha, math.cos(turn), math.sin(turn), samples[n, 1])
+            half = plus(plus(scaled(tangent, h[0]), bitangent, h[1]), normal, h[2])
+        voh = dot(view, half)
+        towards = plus(scaled(half, 2.0 * voh), view, -1.0)
+        if surface.roughness[n] > MIRROR_ROUGHNESS:
+            nol = dot(towards, normal)
+            weight[n] = 0.0
+            if nol > 0.0:
+                metal = surface.metallic[n]
+                base = (
+                    surface.base_colour[n, 0]
+                    + surface.base_colour[n, 1]
+                    + surface.base_colour[n, 2]
+                ) / 3.0
+                f0 = surface.dielectric_f0[n] * (1.0 - metal) + base * metal
+                fresnel = f0 + (1.0 - f0) * fresnel_weight(voh)
+                weight[n] = fresnel * shadowing_given_masking(nol, nov, alpha)
+        below = dot(towards, ng)
+        if below < 0.0:
+            towards = plus(towards, ng, -2.0 * below)
+            if surface.roughness[n] > MIRROR_ROUGHNESS:
+                weight[n] = 0.0
+        towards = unit_or(towards, normal)
+        for k in range(3):
+            directions[n, k] = towards[k]

@@ -1,0 +1,37 @@
+"""Records: tuples of arrays with one row for each point or ray, whole as kernels take them.
+
+A record is a NamedTuple whose fields are arrays of N rows, or records themselves.
+"""
+
+from collections.abc import Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+
+Record = TypeVar("Record", bound=tuple[Any, ...])
+
+
+def joined(parts: Sequence[Record]) -> Record:
+    """Return the rows of one or more records, one after the other."""
+    columns = [
+        joined(column) if isinstance(column[0], tuple) else np.concatenate(column)
+        for column in zip(*parts, strict=True)
+    ]
+    return _made(parts[0], columns)
+
+
+def chosen(record: Record, index: Any) -> Record:
+    """Return some rows by number or mask, as copies."""
+    return _made(record, [chosen(c, index) if isinstance(c, tuple) else c[index] for c in record])
+
+
+def rows(record: Record, begin: int, end: int) -> Record:
+    """Return rows begin..end as views, without a copy."""
+    return _made(
+        record, [rows(c, begin, end) if isinstance(c, tuple) else c[begin:end] for c in record]
+    )
+
+
+def _made(like: Record, columns: Sequence[Any]) -> Record:
+    made: Record = type(like)(*columns)
+    return made
