@@ -20,7 +20,6 @@ from raysvc.frame.prepared import Prepared
 from raysvc.frame.radiance import Illumination, Lit
 from raysvc.frame.settings import Settings
 from raysvc.frame.statistics import Ledger
-from raysvc.lighting.brdf import MIRROR_ROUGHNESS
 from raysvc.lighting.lobe_kernels import lobe_rays
 from raysvc.lighting.sun import LUMINANCE
 from raysvc.shading.surface import Surface
@@ -31,6 +30,11 @@ GLOSSY = 0.4
 """Roughness up to which rays alone say what a surface reflects of the scene."""
 MATT = 0.75
 """Roughness from which they say nothing, and occlusion only darkens the environment's lobe."""
+WIDENING = 0.5
+"""Of the footprint with distance, as a part of the lobe's half width in radians."""
+BLURRED = 0.25
+"""Of a lobe's half width: by how much it widens the highlights that it shows (compare Jendersie and
+Grosch 2019, "Microfacet Model Regularization for Robust Light Transport")."""
 LEAST_THROUGHPUT = 1.0 / 256.0
 """Of a ray: what it brings changes a pixel by less than this part of it."""
 
@@ -118,16 +122,19 @@ class Reflections:
         mirror = surface.chosen(shiny)
         if samples is None:
             rays = mirror_rays(mirror)
+            half_width = 2.0 * mirror.roughness**2
         else:
             directions = np.empty((len(shiny), 3), np.float32)
-            weight = np.empty(len(shiny), np.float32)
-            lobe_rays(mirror, samples[shiny], directions, weight)
-            reflection.weight[shiny] = weight
+            weight, half_width = np.empty((2, len(shiny)), np.float32)
+            lobe_rays(mirror, samples[shiny], directions, weight, half_width)
+            reflection.weight[shiny] = weight * np.where(
+                half_width > 0, (2.0 * mirror.roughness**2 / np.maximum(half_width, 1e-9)) ** 2, 1
+            )
             rays = rays_from(mirror, directions, np.full(len(shiny), np.inf, np.float32))
         self._ledger.count("reflection", len(shiny))
 
         # The footprint grows with the distance, more where the mirror is rough and its lobe wide.
-        widening = self._spread + mirror.roughness**2
+        widening = self._spread + WIDENING * half_width
 
         def shade(index: Longs, hits: Hits) -> Lit:
             seen_footprint = footprint[shiny[index]] + hits.t * widening[index]
@@ -138,6 +145,9 @@ class Reflections:
                 seen_footprint,
                 self._settings.texture_filter,
             )
+            # What is seen through a wide lobe is seen from many sides: its highlights widen.
+            alpha2 = seen.roughness**4 + (BLURRED * half_width[index]) ** 2
+            seen = seen._replace(roughness=np.minimum(np.sqrt(np.sqrt(alpha2)), np.float32(1.0)))
             return self._illumination.lit_in_mirror(seen, seen_footprint)
 
         hits, met, lit = self._organise(
@@ -156,14 +166,14 @@ class Reflections:
         self._ledger.bounce(bounce, len(shiny), energy)
         reflection.radiance[from_] = own + mirrored_light(lit, deeper)
         reflection.share[from_] = gloss[from_]
-        self._describe(reflection, shiny, mirror, footprint[shiny], hits, met, lit.surface)
+        self._describe(reflection, shiny, half_width, footprint[shiny], hits, met, lit.surface)
         return reflection
 
     def _describe(
         self,
         reflection: Reflection,
         shiny: Longs,
-        mirror: Surface,
+        half_width: Floats,
         footprint: Floats,
         hits: Hits,
         met: Longs,
@@ -173,8 +183,7 @@ class Reflections:
         width = footprint + hits.t * np.float32(self._spread)
         pixels = np.full(len(shiny), 1.0 / max(self._spread, 1e-9), np.float32)
         pixels[met] = hits.t[met] / np.maximum(width[met], 1e-30)
-        rough = mirror.roughness > MIRROR_ROUGHNESS
-        reflection.spread_px[shiny] = np.where(rough, mirror.roughness**2 * pixels, 0.0)
+        reflection.spread_px[shiny] = half_width * pixels
         sharp = np.flatnonzero(reflection.spread_px[shiny[met]] < 0.5)
         at = shiny[met[sharp]]
         reflection.triangle[at] = hits.triangle[met[sharp]]

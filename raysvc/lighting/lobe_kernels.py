@@ -12,6 +12,8 @@ from raysvc.lighting.brdf import (
     MIRROR_ROUGHNESS,
     fresnel_weight,
     ggx_alpha,
+    ggx_density,
+    masking,
     shadowing_given_masking,
     visible_normal,
 )
@@ -20,18 +22,21 @@ from raysvc.types import Doubles, Floats
 
 
 @kernel
-def lobe_rays(surface: Surface, samples: Doubles, directions: Floats, weight: Floats) -> None:
-    """Fill directions (N, 3), unit, and weight (N,) with samples (N, 2) of the visible normals.
+def lobe_rays(
+    surface: Surface, samples: Doubles, directions: Floats, weight: Floats, half_width: Floats
+) -> None:
+    """Fill directions (N, 3), unit, weight and half_width (N,) from samples (N, 2) in 0..1.
 
     Light that comes from `directions` counts `weight` times in the mean of what the lobe reflects:
     G2 / G1 times Fresnel's factor, and nothing for directions below the triangle, which are turned
-    up. In the mirror limit a ray is the mirror's.
+    up. `half_width`, in radians, is that of a cone of solid angle 1 / density: about 2 alpha in the
+    middle of the lobe, more in its tail. In the mirror limit a ray is the mirror's, without width.
     """
     for n in range(len(samples)):
         normal, ng = row3(surface.normal, n), row3(surface.geometric_normal, n)
         view = row3(surface.to_viewer, n)
         nov = max(dot(normal, view), MIN_COSINE)
-        weight[n] = 1.0
+        weight[n], half_width[n] = 1.0, 0.0
         half = normal
         if surface.roughness[n] > MIRROR_ROUGHNESS:
             alpha = ggx_alpha(np.float64(surface.roughness[n]))
@@ -40,6 +45,8 @@ def lobe_rays(surface: Surface, samples: Doubles, directions: Floats, weight: Fl
             turn = 2.0 * math.pi * samples[n, 0]
             h = visible_normal(local, alpha, math.cos(turn), math.sin(turn), samples[n, 1])
             half = plus(plus(scaled(tangent, h[0]), bitangent, h[1]), normal, h[2])
+            density = masking(local[2], alpha) * ggx_density(h[0] * h[0] + h[1] * h[1], alpha)
+            half_width[n] = math.sqrt(4.0 * local[2] / (math.pi * density))
         voh = dot(view, half)
         towards = plus(scaled(half, 2.0 * voh), view, -1.0)
         if surface.roughness[n] > MIRROR_ROUGHNESS:

@@ -14,7 +14,7 @@ import numpy as np
 from raysvc.tracing.gloss_kernels import gather_gloss
 from raysvc.types import Floats, Longs
 
-GATHER = 0.5
+GATHER = 0.2
 """Standard deviation of the mean over neighbours, as a part of the lobe's half width: it widens the
 lobe by an eighth."""
 

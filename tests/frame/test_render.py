@@ -220,6 +220,8 @@ def test_statistics_have_every_field_of_the_specification() -> None:
         "stages",
         "total_seconds",
         "rays",
+        "bounces",
+        "shading",
         "build",
         "edge_fraction",
         "max_coc_px",
