@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from raysvc.scene import Environment, Material, PunctualLight, Scene, SceneCamera
-
-TEXTURE_SLOTS = ("base_colour", "metallic_roughness", "normal", "occlusion", "emissive")
+from raysvc.scene.material import TEXTURE_SLOTS
 
 
 def scene_summary(scene: Scene) -> dict[str, Any]:
@@ -88,6 +87,12 @@ def _material(material: Material, triangles: int) -> dict[str, Any]:
         "alpha_mode": material.alpha_mode,
         "double_sided": material.double_sided,
         "unlit": material.unlit,
+        "ior": material.ior,
+        "transmission": material.transmission,
+        "solid": material.solid,
+        "absorption": list(material.absorption),
+        "clearcoat": material.clearcoat,
+        "clearcoat_roughness": material.clearcoat_roughness,
         "textures": textures,
     }
 

@@ -4,6 +4,9 @@ MTL describes Phong shading, so this is a translation: the diffuse colour become
 the exponent of the highlight a roughness of the same width, and a black diffuse colour with
 a bright specular one a metal. Colours are taken as display values (sRGB), as the programs that
 write these files show them. The keys Pr, Pm and norm of the common physically based extension win.
+
+d and Tr are coverage. No illumination model makes glass: exporters set it out of habit, on meshes
+that enclose nothing; those that ask for refraction are named.
 """
 
 import math
@@ -28,6 +31,7 @@ _UNUSED_MAPS = (
     "map_ka", "map_ks", "map_ns", "map_d", "map_bump", "bump", "disp", "decal", "refl", "map_refl",
     "map_pr", "map_pm", "map_ps", "map_opacity",
 )  # fmt: skip
+_REFRACTING = (6, 7)
 _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 # Options of map statements by how many numbers may follow; -s and -o are scale and offset.
 _OPTION = re.compile(
@@ -93,6 +97,9 @@ class MaterialLibrary:
         for key in _UNUSED_MAPS:
             if key in statements:
                 self._warn(f"material {name}: {key} is not used")
+        model = int(numbers.number("illum", 2.0, 0.0, 10.0))
+        if model in _REFRACTING:
+            self._warn(f"material {name}: illum {model} refracts, which is not shown")
         diffuse = numbers.colour("kd") or DEFAULT_COLOUR[:3]
         specular = numbers.colour("ks") or (0.0, 0.0, 0.0)
         base = refs.get("base")

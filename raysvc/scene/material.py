@@ -1,4 +1,5 @@
-"""glTF 2.0 metallic-roughness materials (specification, section 3.9 and Appendix B)."""
+"""glTF 2.0 metallic-roughness materials (specification, section 3.9 and Appendix B), with what
+KHR_materials_transmission, _volume, _ior and _clearcoat add."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -6,6 +7,19 @@ from typing import Literal
 AlphaMode = Literal["opaque", "mask", "blend"]
 Affine = tuple[float, float, float, float, float, float]
 IDENTITY_UV: Affine = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+
+TEXTURE_SLOTS = (
+    "base_colour",
+    "metallic_roughness",
+    "normal",
+    "occlusion",
+    "emissive",
+    "transmission",
+    "clearcoat",
+    "clearcoat_roughness",
+    "clearcoat_normal",
+)
+"""What a material may read from textures."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +39,8 @@ class Material:
     """What a triangle is made of; colours are linear Rec.709. The defaults are glTF's.
 
     Base colour and emissive textures are sRGB, the others linear. Roughness is the G and metalness
-    the B channel of `metallic_roughness_texture`; occlusion is R.
+    the B channel of `metallic_roughness_texture`; occlusion, transmission and clearcoat are R,
+    clearcoat roughness is G.
     """
 
     name: str = ""
@@ -43,6 +58,18 @@ class Material:
     double_sided: bool = False
     unlit: bool = False
     """Show the base colour, unlit (KHR_materials_unlit)."""
+    transmission: float = 0.0
+    """Share of the light that enters which goes through, tinted by the base colour; the rest is
+    diffused."""
+    solid: bool = False
+    """The triangles bound a volume of index `ior`, which refracts and absorbs; they are then seen
+    from both sides. Else they are sheets without thickness. Only where something is transmitted."""
+    absorption: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Of the volume, per metre: light falls as exp(-absorption x distance)."""
+    clearcoat: float = 0.0
+    """How much of the surface lies under a clear varnish of index 1.5."""
+    clearcoat_roughness: float = 0.0
+    clearcoat_normal_scale: float = 1.0
     normal_scale: float = 1.0
     occlusion_strength: float = 1.0
     base_colour_texture: TextureRef | None = None
@@ -50,16 +77,14 @@ class Material:
     normal_texture: TextureRef | None = None
     occlusion_texture: TextureRef | None = None
     emissive_texture: TextureRef | None = None
+    transmission_texture: TextureRef | None = None
+    clearcoat_texture: TextureRef | None = None
+    clearcoat_roughness_texture: TextureRef | None = None
+    clearcoat_normal_texture: TextureRef | None = None
 
     def texture_refs(self) -> tuple[TextureRef | None, ...]:
-        """The five slots, in the order base, metallic-roughness, normal, occlusion, emissive."""
-        return (
-            self.base_colour_texture,
-            self.metallic_roughness_texture,
-            self.normal_texture,
-            self.occlusion_texture,
-            self.emissive_texture,
-        )
+        """What each of TEXTURE_SLOTS reads, in that order."""
+        return tuple(getattr(self, f"{slot}_texture") for slot in TEXTURE_SLOTS)
 
     def numbers(self) -> tuple[float, ...]:
         """Every factor, and the texture transforms."""
@@ -72,5 +97,10 @@ class Material:
             self.alpha_cutoff,
             self.normal_scale,
             self.occlusion_strength,
+            self.transmission,
+            *self.absorption,
+            self.clearcoat,
+            self.clearcoat_roughness,
+            self.clearcoat_normal_scale,
             *(x for ref in self.texture_refs() if ref is not None for x in ref.uv_transform),
         )

@@ -46,6 +46,15 @@ def test_sharper_highlights_are_smoother():
     assert material("illum 1\nNs 1000").roughness == 1.0
 
 
+@pytest.mark.parametrize("model", [6, 7])
+def test_illumination_models_that_refract_are_named_and_blend(model):
+    made = library(f"newmtl m\nd 0.25\nNi 1.33\nillum {model}")
+    assert made.materials["m"].alpha_mode == "blend"
+    assert made.materials["m"].transmission == 0
+    assert made.warnings == [f"material m: illum {model} refracts, which is not shown"]
+    assert library("newmtl m\nd 0.25\nillum 9").warnings == []
+
+
 def test_a_black_diffuse_colour_with_a_bright_highlight_is_a_metal():
     made = material("Kd 0 0 0\nKs 1 1 1\nNs 500")
     assert made.metallic == 1

@@ -1,7 +1,7 @@
 """glTF 2.0 (.gltf, .glb) to a scene.
 
 container -> document -> buffers -> accessors
-                                 -> textures -> materials
+                                 -> textures -> slots -> layers -> materials
 nodes -> instances -> primitives (topology, attributes, directions) -> placing -> assemble
       -> views (cameras and lights)
 """

@@ -137,9 +137,10 @@ def _filled(parts: list[_Part], primitives: Primitives, materials: tuple[Materia
     shapes: list[Shape] = []
     for part in parts:
         shape = primitives.read(part.primitive, part.path)
-        normal_map = materials[part.material].normal_texture
+        material = materials[part.material]
+        normal_map = material.normal_texture or material.clearcoat_normal_texture
         shapes.append(shape if normal_map is None else with_tangents(shape, normal_map))
-        primitives.note_missing_uv(part.primitive, part.path, materials[part.material])
+        primitives.note_missing_uv(part.primitive, part.path, material)
     counts = [len(part.placement.nodes) for part in parts]
     arrays = Arrays.empty(
         sum(n * len(shape.positions) for n, shape in zip(counts, shapes, strict=True)),

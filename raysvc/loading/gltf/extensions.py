@@ -1,5 +1,6 @@
 """Extensions: which ones are understood, and what they hold."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal, TypeVar
 
@@ -14,9 +15,12 @@ SUPPORTED = frozenset(
         "EXT_mesh_gpu_instancing",
         "EXT_texture_webp",
         "KHR_lights_punctual",
+        "KHR_materials_clearcoat",
         "KHR_materials_emissive_strength",
         "KHR_materials_ior",
+        "KHR_materials_transmission",
         "KHR_materials_unlit",
+        "KHR_materials_volume",
         "KHR_mesh_quantization",
         "KHR_texture_transform",
     }
@@ -49,6 +53,35 @@ class Ior:
     """KHR_materials_ior."""
 
     ior: float = 1.5
+
+
+@dataclass
+class Transmission:
+    """KHR_materials_transmission."""
+
+    transmissionFactor: float = 0.0  # noqa: N815
+    transmissionTexture: pygltflib.TextureInfo | None = None  # noqa: N815
+
+
+@dataclass
+class Volume:
+    """KHR_materials_volume."""
+
+    thicknessFactor: float = 0.0  # noqa: N815
+    thicknessTexture: pygltflib.TextureInfo | None = None  # noqa: N815
+    attenuationDistance: float = math.inf  # noqa: N815
+    attenuationColor: list[float] = field(default_factory=lambda: [1.0, 1.0, 1.0])  # noqa: N815
+
+
+@dataclass
+class Clearcoat:
+    """KHR_materials_clearcoat."""
+
+    clearcoatFactor: float = 0.0  # noqa: N815
+    clearcoatTexture: pygltflib.TextureInfo | None = None  # noqa: N815
+    clearcoatRoughnessFactor: float = 0.0  # noqa: N815
+    clearcoatRoughnessTexture: pygltflib.TextureInfo | None = None  # noqa: N815
+    clearcoatNormalTexture: pygltflib.NormalMaterialTexture | None = None  # noqa: N815
 
 
 @dataclass

@@ -30,6 +30,7 @@ _LENGTHS = {
     "Material.emissiveFactor": 3,
     "TextureTransform.offset": 2,
     "TextureTransform.scale": 2,
+    "Volume.attenuationColor": 3,
     "Light.color": 3,
 }
 # Not Optional in pygltflib though the specification does not require them.

@@ -33,6 +33,10 @@ class Textures:
             self._numbers[index] = self._make(texture, f"textures[{index}]")
         return self._numbers[index]
 
+    def check(self, index: int, path: str) -> None:
+        """Raise InvalidScene if there is no textures[index]."""
+        item(self._document.gltf.textures, index, "textures", path)
+
     def all(self) -> tuple[Texture, ...]:
         """Return the textures made so far."""
         return tuple(self._made)
