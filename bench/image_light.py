@@ -24,6 +24,8 @@ from raysvc.lighting.image_light import ImageLight
 from raysvc.lighting.sphere_table import SphereTable
 from raysvc.lighting.sun import LUMINANCE, extract_sun
 from raysvc.scene import Environment
+from raysvc.shading.coat import Coat
+from raysvc.shading.glass import Glass
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
@@ -159,10 +161,13 @@ def white(normal: Doubles, view: Doubles, metallic: float, roughness: float) -> 
         metallic=filled(metallic),
         roughness=filled(roughness),
         dielectric_f0=filled(DIELECTRIC_F0),
+        transmission=filled(0),
         emissive=filled(0, 3),
         occlusion=filled(1),
         unlit=np.zeros(count, bool),
         clearance=filled(0),
+        coat=Coat.empty(0),
+        glass=Glass.empty(0),
     )
 
 

@@ -1,6 +1,7 @@
 """Records: tuples of arrays with one row for each point or ray, whole as kernels take them.
 
-A record is a NamedTuple whose fields are arrays of N rows, or records themselves.
+A record is a NamedTuple whose fields are arrays of N rows, or records themselves. Those within may
+also have no rows at all, if that is so in all records that are to be joined.
 """
 
 from collections.abc import Sequence
@@ -22,7 +23,11 @@ def joined(parts: Sequence[Record]) -> Record:
 
 def chosen(record: Record, index: Any) -> Record:
     """Return some rows by number or mask, as copies."""
-    return _made(record, [chosen(c, index) if isinstance(c, tuple) else c[index] for c in record])
+    return _made(record, [_chosen(c, index) if isinstance(c, tuple) else c[index] for c in record])
+
+
+def _chosen(within: Record, index: Any) -> Record:
+    return chosen(within, index) if len(within[0]) else within
 
 
 def rows(record: Record, begin: int, end: int) -> Record:

@@ -114,7 +114,7 @@ def diffuse_albedos(
     surface: Surface,
     albedo: Floats,
 ) -> None:
-    """Write c_diff (1 - F0) (1 - C) to `albedo` (N, 3)."""
+    """Write c_diff (1 - transmission) (1 - F0) (1 - C) to `albedo` (N, 3)."""
     for i in range(len(surface.normal)):
         nov = (
             surface.normal[i, 0] * surface.to_viewer[i, 0]
@@ -123,7 +123,8 @@ def diffuse_albedos(
         )
         kept = 1.0 - diffuse_loss(table, nov)
         metal = surface.metallic[i]
+        diffused = (1.0 - metal) * (1.0 - surface.transmission[i])
         for c in range(3):
             base = surface.base_colour[i, c]
             f0 = surface.dielectric_f0[i] * (1.0 - metal) + base * metal
-            albedo[i, c] = base * (1.0 - metal) * (1.0 - f0) * kept
+            albedo[i, c] = base * diffused * (1.0 - f0) * kept

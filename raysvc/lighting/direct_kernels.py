@@ -67,9 +67,10 @@ def reflect_light(
         weight = fresnel_weight(voh)
 
         metal = surface.metallic[i]
+        diffused = (1.0 - metal) * (1.0 - surface.transmission[i])
         for c in range(3):
             base = surface.base_colour[i, c]
             f0 = surface.dielectric_f0[i] * (1.0 - metal) + base * metal
             fresnel = f0 + (1.0 - f0) * weight
-            diffuse = (1.0 - fresnel) * base * (1.0 - metal) / math.pi
+            diffuse = (1.0 - fresnel) * base * diffused / math.pi
             radiance[i, c] = (diffuse + fresnel * lobe) * nol * irradiance[i, c]

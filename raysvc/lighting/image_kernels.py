@@ -133,7 +133,8 @@ def diffuse_light(
                 blue += weight * bl
                 total += weight
         metal = surface.metallic[i]
-        scale = strength * (1.0 - metal) * (1.0 - diffuse_loss(losses, nov)) / max(total, 1e-12)
+        diffused = (1.0 - metal) * (1.0 - surface.transmission[i])
+        scale = strength * diffused * (1.0 - diffuse_loss(losses, nov)) / max(total, 1e-12)
         f0 = surface.dielectric_f0[i] * (1.0 - metal)
         for c in range(3):
             light = red if c == 0 else (green if c == 1 else blue)

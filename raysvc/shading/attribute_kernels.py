@@ -8,7 +8,6 @@ from raysvc.jit import inlined
 from raysvc.shading.material_table import (
     BASE_SLOT,
     EMISSIVE_SLOT,
-    NORMAL_SLOT,
     MaterialTable,
 )
 from raysvc.shading.texture_kernels import TextureTable, sample
@@ -16,6 +15,8 @@ from raysvc.types import Floats, Ints
 
 Vec2 = tuple[float, float]
 Vec4 = tuple[float, float, float, float]
+LEAST_COSINE = 1e-3
+"""A shading normal is bent until the viewer is at least this far above its horizon."""
 
 
 class Geometry(NamedTuple):
@@ -39,6 +40,76 @@ def mixed3(array: Floats, i0: int, i1: int, i2: int, u: float, v: float) -> Vec3
         w * array[i0, 1] + u * array[i1, 1] + v * array[i2, 1],
         w * array[i0, 2] + u * array[i1, 2] + v * array[i2, 2],
     )
+
+
+@inlined
+def normals(
+    geometry: Geometry, triangle: int, u: float, v: float, towards: Vec3
+) -> tuple[Vec3, Vec3, float]:
+    """Normal of a triangle and interpolated normal at a point, both of its front; twice its area.
+
+    Where a triangle has no normal it is `towards`.
+    """
+    i0, i1, i2 = (
+        geometry.triangles[triangle, 0],
+        geometry.triangles[triangle, 1],
+        geometry.triangles[triangle, 2],
+    )
+    a = row3(geometry.positions, i0)
+    across = cross(
+        plus(row3(geometry.positions, i1), a, -1.0), plus(row3(geometry.positions, i2), a, -1.0)
+    )
+    geometric = unit_or(across, towards)
+    shading = unit_or(mixed3(geometry.normals, i0, i1, i2, u, v), geometric)
+    if dot(shading, geometric) < 0.0:
+        shading = scaled(shading, -1.0)
+    return geometric, shading, math.sqrt(dot(across, across))
+
+
+@inlined
+def bumped(
+    geometry: Geometry,
+    materials: MaterialTable,
+    textures: TextureTable,
+    slot: int,
+    scale_column: int,
+    triangle: int,
+    weights: Vec3,
+    metres: float,
+    texture_filter: int,
+    normal: Vec3,
+) -> Vec3:
+    """Interpolated normal with the normal map of a slot, if there is one; see `read_slot`."""
+    material = geometry.material_of_triangle[triangle]
+    if materials.texture[material, slot, 0] < 0:
+        return normal
+    texel = read_slot(
+        geometry,
+        materials,
+        textures,
+        material,
+        slot,
+        triangle,
+        weights,
+        metres,
+        texture_filter,
+    )
+    tangent, bitangent = tangent_frame(
+        geometry, materials, slot, triangle, weights[1], weights[2], normal
+    )
+    scale = materials.factors[material, scale_column]
+    x, y = (2.0 * texel[0] - 1.0) * scale, (2.0 * texel[1] - 1.0) * scale
+    raised = scaled(normal, 2.0 * texel[2] - 1.0)
+    return unit_or(plus(plus(raised, tangent, x), bitangent, y), normal)
+
+
+@inlined
+def turned_up(normal: Vec3, towards: Vec3) -> Vec3:
+    """A shading normal bent until the viewer is at least LEAST_COSINE above its horizon."""
+    above = dot(normal, towards)
+    if above >= LEAST_COSINE:
+        return normal
+    return unit_or(plus(normal, towards, LEAST_COSINE - above), towards)
 
 
 @inlined
@@ -114,13 +185,14 @@ def read_slot(
 def tangent_frame(
     geometry: Geometry,
     materials: MaterialTable,
+    slot: int,
     triangle: int,
     u: float,
     v: float,
     normal: Vec3,
 ) -> tuple[Vec3, Vec3]:
-    """Tangent and bitangent for a normal map: the vertices', else those of the triangle's uv."""
-    material, slot = geometry.material_of_triangle[triangle], NORMAL_SLOT
+    """Tangent and bitangent for the normal map of a slot: the vertices', else those of the uv."""
+    material = geometry.material_of_triangle[triangle]
     matrix, uv_set = materials.uv_transform, materials.texture[material, slot, 1]
     i0, i1, i2 = (
         geometry.triangles[triangle, 0],

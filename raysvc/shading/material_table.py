@@ -9,24 +9,29 @@ from raysvc.scene.material import IDENTITY_UV
 from raysvc.types import Floats, Ints
 
 # Columns of MaterialTable.factors.
-BASE, ALPHA, METALLIC, ROUGHNESS, EMISSIVE, F0, CUTOFF, NORMAL_SCALE, OCCLUSION_STRENGTH = (
-    0,
-    3,
-    4,
-    5,
-    6,
-    9,
-    10,
-    11,
-    12,
-)
-FACTORS = 13
+BASE, ALPHA, METALLIC, ROUGHNESS, EMISSIVE, F0, CUTOFF = 0, 3, 4, 5, 6, 9, 10
+NORMAL_SCALE, OCCLUSION_STRENGTH, TRANSMISSION, IOR, ABSORPTION = 11, 12, 13, 14, 15
+COAT, COAT_ROUGHNESS, COAT_NORMAL_SCALE = 18, 19, 20
+FACTORS = 21
 
-# Slots, in the order of Material.texture_refs().
-BASE_SLOT, METALLIC_ROUGHNESS_SLOT, NORMAL_SLOT, OCCLUSION_SLOT, EMISSIVE_SLOT = range(5)
-SLOTS = 5
+# Slots, in the order of raysvc.scene.material.TEXTURE_SLOTS.
+(
+    BASE_SLOT,
+    METALLIC_ROUGHNESS_SLOT,
+    NORMAL_SLOT,
+    OCCLUSION_SLOT,
+    EMISSIVE_SLOT,
+    TRANSMISSION_SLOT,
+    COAT_SLOT,
+    COAT_ROUGHNESS_SLOT,
+    COAT_NORMAL_SLOT,
+) = range(9)
+SLOTS = 9
 
 OPAQUE, MASK, BLEND = range(3)
+
+LEAST_IOR = 1.0001
+"""Of a solid: at 1 nothing is bent, and a rough boundary's lobe would have no width."""
 
 
 class MaterialTable(NamedTuple):
@@ -39,7 +44,7 @@ class MaterialTable(NamedTuple):
     uv_transform: Floats
     """(M, SLOTS, 6) float32, as in `TextureRef`."""
     flags: Ints
-    """(M, 2) int32: alpha mode (OPAQUE, MASK, BLEND), unlit."""
+    """(M, 3) int32: alpha mode (OPAQUE, MASK, BLEND), unlit, solid."""
 
 
 def material_table(materials: tuple[Material, ...]) -> MaterialTable:
@@ -48,7 +53,7 @@ def material_table(materials: tuple[Material, ...]) -> MaterialTable:
     factors = np.zeros((count, FACTORS), np.float32)
     texture = np.full((count, SLOTS, 2), -1, np.int32)
     uv_transform = np.tile(np.array(IDENTITY_UV, np.float32), (count, SLOTS, 1))
-    flags = np.zeros((count, 2), np.int32)
+    flags = np.zeros((count, 3), np.int32)
     for row, material in enumerate(materials):
         f0 = ((material.ior - 1.0) / (material.ior + 1.0)) ** 2
         factors[row] = (
@@ -60,10 +65,17 @@ def material_table(materials: tuple[Material, ...]) -> MaterialTable:
             material.alpha_cutoff,
             material.normal_scale,
             material.occlusion_strength,
+            material.transmission,
+            max(material.ior, LEAST_IOR),
+            *material.absorption,
+            material.clearcoat,
+            material.clearcoat_roughness,
+            material.clearcoat_normal_scale,
         )
         flags[row] = (
             ("opaque", "mask", "blend").index(material.alpha_mode),
             int(material.unlit),
+            int(material.solid),
         )
         for slot, ref in enumerate(material.texture_refs()):
             if ref is not None:

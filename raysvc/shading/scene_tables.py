@@ -7,7 +7,9 @@ import numpy as np
 
 from raysvc.scene import Scene
 from raysvc.shading.attribute_kernels import Geometry
+from raysvc.shading.coat_kernels import evaluate_coat
 from raysvc.shading.coverage_kernels import alphas, coverages
+from raysvc.shading.glass_kernels import evaluate_glass
 from raysvc.shading.material_table import MaterialTable, material_table
 from raysvc.shading.surface import Surface
 from raysvc.shading.surface_kernels import evaluate
@@ -28,15 +30,19 @@ class SceneTables:
     solid: Bools
     """(F,) bool: triangles without holes, that is whose material is opaque."""
     double_sided: Bools
-    """(F,) bool: seen from both sides."""
+    """(F,) bool: seen from both sides, as boundaries of solids always are."""
     blended: Bools
     """(F,) bool: of a material that is blended with what is behind it."""
+    coated: bool
+    """Some material has varnish: surfaces have a `Coat`."""
+    glassy: bool
+    """Some material transmits light: surfaces have a `Glass`."""
 
     @classmethod
     def of(cls, scene: Scene) -> "SceneTables":
         """Build the tables of a scene."""
         modes = np.array([m.alpha_mode for m in scene.materials] or ["opaque"])
-        double = np.array([m.double_sided for m in scene.materials] or [True])
+        double = np.array([m.double_sided or m.solid for m in scene.materials] or [True])
         material = scene.material_of_triangle
         return cls(
             Geometry(
@@ -53,6 +59,8 @@ class SceneTables:
             (modes == "opaque")[material],
             double[material],
             (modes == "blend")[material],
+            any(m.clearcoat > 0.0 for m in scene.materials),
+            any(m.transmission > 0.0 for m in scene.materials),
         )
 
     def alpha(self, triangle: Ints, barycentric: Floats) -> Floats:
@@ -99,7 +107,7 @@ class SceneTables:
         texture_filter
             a key of TEXTURE_FILTERS
         """
-        surface = Surface.empty(len(triangle))
+        surface = Surface.empty(len(triangle), self.coated, self.glassy)
         evaluate(
             self.geometry,
             self.materials,
@@ -111,4 +119,18 @@ class SceneTables:
             TEXTURE_FILTERS[texture_filter],
             surface,
         )
+        if self.coated:
+            evaluate_coat(
+                self.geometry,
+                self.materials,
+                self.textures,
+                triangle,
+                barycentric,
+                directions,
+                footprint,
+                TEXTURE_FILTERS[texture_filter],
+                surface.coat,
+            )
+        if self.glassy:
+            evaluate_glass(self.geometry, self.materials, triangle, directions, surface.glass)
         return surface

@@ -6,13 +6,18 @@ from typing import NamedTuple
 import numpy as np
 
 from raysvc import records
+from raysvc.shading.coat import Coat
+from raysvc.shading.glass import Glass
 from raysvc.types import Bools, Floats, Longs
 
 
 class Surface(NamedTuple):
     """Points with materials evaluated; world space, linear Rec.709, float32 except `unlit`.
 
-    A tuple of arrays, so that kernels take it whole.
+    A tuple of arrays, so that kernels take it whole. Few scenes have varnish or glass, so those are
+    groups of arrays of their own: of all N points, or of none where no material of the scene asks
+    for them. Arrays without rows cost nothing to make, to copy and to pass, and have the same type,
+    so that no kernel is compiled twice.
 
     Attributes
     ----------
@@ -30,6 +35,9 @@ class Surface(NamedTuple):
         (N,), (N,) in 0..1; GGX alpha is roughness squared
     dielectric_f0
         (N,) reflectance at normal incidence where it is not metal
+    transmission
+        (N,) 0..1 of the light that enters goes through, and the rest is diffused; what rays need to
+        know of that is in `Glass`
     emissive
         (N, 3) radiance
     occlusion
@@ -39,6 +47,10 @@ class Surface(NamedTuple):
         (N,) bool: shows `base_colour` and nothing else
     clearance
         (N,) metres off the triangle at which a ray surely does not meet it
+    coat
+        of N points or none
+    glass
+        of N points or none
     """
 
     position: Floats
@@ -50,10 +62,13 @@ class Surface(NamedTuple):
     metallic: Floats
     roughness: Floats
     dielectric_f0: Floats
+    transmission: Floats
     emissive: Floats
     occlusion: Floats
     unlit: Bools
     clearance: Floats
+    coat: Coat
+    glass: Glass
 
     @property
     def size(self) -> int:
@@ -61,8 +76,8 @@ class Surface(NamedTuple):
         return len(self.position)
 
     @staticmethod
-    def empty(count: int) -> "Surface":
-        """Return room for points, to be filled."""
+    def empty(count: int, coated: bool = False, glassy: bool = False) -> "Surface":
+        """Return room for points, to be filled, with or without those of coat and glass."""
         return Surface(
             position=np.empty((count, 3), np.float32),
             geometric_normal=np.empty((count, 3), np.float32),
@@ -73,15 +88,18 @@ class Surface(NamedTuple):
             metallic=np.empty(count, np.float32),
             roughness=np.empty(count, np.float32),
             dielectric_f0=np.empty(count, np.float32),
+            transmission=np.empty(count, np.float32),
             emissive=np.empty((count, 3), np.float32),
             occlusion=np.empty(count, np.float32),
             unlit=np.empty(count, np.bool_),
             clearance=np.empty(count, np.float32),
+            coat=Coat.empty(count if coated else 0),
+            glass=Glass.empty(count if glassy else 0),
         )
 
     @staticmethod
     def joined(parts: Sequence["Surface"]) -> "Surface":
-        """Return the points of one or more parts, one after the other."""
+        """Return the points of one or more parts of one scene, one after the other."""
         return records.joined(parts)
 
     def chosen(self, index: Longs | Bools) -> "Surface":

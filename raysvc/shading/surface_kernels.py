@@ -4,9 +4,16 @@ import math
 
 import numpy as np
 
-from raysvc.geometry.vector_kernels import cross, dot, plus, row3, scaled, unit_or
+from raysvc.geometry.vector_kernels import dot, scaled
 from raysvc.jit import kernel
-from raysvc.shading.attribute_kernels import Geometry, mixed3, read_slot, tangent_frame
+from raysvc.shading.attribute_kernels import (
+    Geometry,
+    bumped,
+    mixed3,
+    normals,
+    read_slot,
+    turned_up,
+)
 from raysvc.shading.material_table import (
     ALPHA,
     BASE,
@@ -22,6 +29,8 @@ from raysvc.shading.material_table import (
     OCCLUSION_SLOT,
     OCCLUSION_STRENGTH,
     ROUGHNESS,
+    TRANSMISSION,
+    TRANSMISSION_SLOT,
     MaterialTable,
 )
 from raysvc.shading.surface import Surface
@@ -30,8 +39,6 @@ from raysvc.types import Floats, Ints
 
 CLEARANCE = 256 * 1.1920929e-07
 """Of a ray that leaves a triangle, as a part of its largest coordinate: 256 steps of float32."""
-LEAST_COSINE = 1e-3
-"""A shading normal is bent until the viewer is at least this far above its horizon."""
 
 
 @kernel
@@ -60,42 +67,24 @@ def evaluate(
         factors = materials.factors
         towards = (-float(directions[n, 0]), -float(directions[n, 1]), -float(directions[n, 2]))
 
-        # Geometric and shading normal, both on the viewer's side
-        a = row3(geometry.positions, i0)
-        across = cross(
-            plus(row3(geometry.positions, i1), a, -1.0), plus(row3(geometry.positions, i2), a, -1.0)
-        )
-        double_area = math.sqrt(dot(across, across))
-        ng = unit_or(across, towards)
-        ns = unit_or(mixed3(geometry.normals, i0, i1, i2, u, v), ng)
+        # Geometric and shading normal, of the front with its normal map, then on the viewer's side
+        ng, ns, double_area = normals(geometry, f, u, v, towards)
         side = 1.0 if dot(ng, towards) >= 0.0 else -1.0
-        if dot(ns, ng) < 0.0:
-            ns = scaled(ns, -1.0)
         cosine = max(abs(dot(ng, towards)), 0.02)
         metres = footprint[n] / math.sqrt(cosine * max(double_area, 1e-30))
-
-        # Normal map, in the frame of the front side
-        if materials.texture[material, NORMAL_SLOT, 0] >= 0:
-            texel = read_slot(
-                geometry,
-                materials,
-                textures,
-                material,
-                NORMAL_SLOT,
-                f,
-                weights,
-                metres,
-                texture_filter,
-            )
-            tangent, bitangent = tangent_frame(geometry, materials, f, u, v, ns)
-            x = (2.0 * texel[0] - 1.0) * factors[material, NORMAL_SCALE]
-            y = (2.0 * texel[1] - 1.0) * factors[material, NORMAL_SCALE]
-            bumped = scaled(ns, 2.0 * texel[2] - 1.0)
-            ns = unit_or(plus(plus(bumped, tangent, x), bitangent, y), ns)
-        ng, ns = scaled(ng, side), scaled(ns, side)
-        above = dot(ns, towards)
-        if above < LEAST_COSINE:
-            ns = unit_or(plus(ns, towards, LEAST_COSINE - above), towards)
+        ns = bumped(
+            geometry,
+            materials,
+            textures,
+            NORMAL_SLOT,
+            NORMAL_SCALE,
+            f,
+            weights,
+            metres,
+            texture_filter,
+            ns,
+        )
+        ng, ns = scaled(ng, side), turned_up(scaled(ns, side), towards)
 
         # Colour and coverage
         texel = read_slot(
@@ -128,6 +117,20 @@ def evaluate(
         surface.roughness[n] = min(max(factors[material, ROUGHNESS] * texel[1], 0.0), 1.0)
         surface.metallic[n] = min(max(factors[material, METALLIC] * texel[2], 0.0), 1.0)
         surface.dielectric_f0[n] = factors[material, F0]
+        surface.transmission[n] = factors[material, TRANSMISSION]
+        if materials.texture[material, TRANSMISSION_SLOT, 0] >= 0:
+            texel = read_slot(
+                geometry,
+                materials,
+                textures,
+                material,
+                TRANSMISSION_SLOT,
+                f,
+                weights,
+                metres,
+                texture_filter,
+            )
+            surface.transmission[n] *= texel[0]
         texel = read_slot(
             geometry,
             materials,

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from raysvc.shading.coat import Coat
+from raysvc.shading.glass import Glass
 from raysvc.shading.surface import Surface
 
 
@@ -23,10 +25,13 @@ def surface_of(normal, view, base=1.0, metallic=1.0, roughness=0.5, dielectric_f
         metallic=filled(metallic),
         roughness=filled(roughness),
         dielectric_f0=filled(dielectric_f0),
+        transmission=filled(0),
         emissive=filled(0, 3),
         occlusion=filled(1),
         unlit=np.zeros(count, bool),
         clearance=filled(0),
+        coat=Coat.empty(0),
+        glass=Glass.empty(0),
     )
 
 

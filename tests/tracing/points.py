@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from raysvc.shading.coat import Coat
+from raysvc.shading.glass import Glass
 from raysvc.shading.surface import Surface
 from raysvc.shading.surface_kernels import CLEARANCE
 
@@ -27,8 +29,11 @@ def points(position, normal, *, geometric_normal=None, view=None):
         metallic=numbers(0),
         roughness=numbers(0.5),
         dielectric_f0=numbers(0.04),
+        transmission=numbers(0),
         emissive=vectors((0, 0, 0)),
         occlusion=numbers(1),
         unlit=np.zeros(count, np.bool_),
         clearance=CLEARANCE * np.maximum(np.abs(position).max(axis=1), np.float32(1)),
+        coat=Coat.empty(0),
+        glass=Glass.empty(0),
     )
