@@ -5,6 +5,7 @@ from types import MappingProxyType
 
 from raysvc.builtin.clear_sky import clear_sky
 from raysvc.builtin.cornell import cornell
+from raysvc.builtin.glass import glass
 from raysvc.builtin.gradient import gradient
 from raysvc.builtin.shiny import shiny
 from raysvc.builtin.studio import studio
@@ -15,6 +16,7 @@ BUILTIN_SCENES: Mapping[str, Callable[[], Scene]] = MappingProxyType(
     {
         "torus_park": torus_park,
         "shiny": shiny,
+        "glass": glass,
         "cornell": cornell,
     }
 )

@@ -23,8 +23,17 @@ def test_the_torus_park_has_the_counts_of_the_talk() -> None:
     assert counts.min() > 0
 
 
-def test_shiny_has_about_a_hundred_thousand_triangles() -> None:
-    assert 90_000 <= len(BUILTIN_SCENES["shiny"]().triangles) <= 110_000
+@pytest.mark.parametrize("name", ["shiny", "glass"])
+def test_still_lifes_have_about_a_hundred_thousand_triangles(name: str) -> None:
+    assert 90_000 <= len(BUILTIN_SCENES[name]().triangles) <= 110_000
+
+
+def test_glass_has_solids_sheets_and_varnish() -> None:
+    materials = BUILTIN_SCENES["glass"]().materials
+    through = [material for material in materials if material.transmission > 0]
+    assert {material.solid for material in through} == {True, False}
+    assert sum(material.clearcoat > 0 for material in materials) == 2
+    assert all(sum(material.absorption) > 0 for material in through if material.solid)
 
 
 def test_the_cornell_box_is_lit_by_a_lamp_that_is_seen() -> None:
