@@ -4,6 +4,9 @@ emission + sun and punctual lights, shadowed
          + the environment's diffuse lobe, occluded
          + the environment's specular lobe, as far as the scene does not stand before it: that is
            for `raysvc.frame.reflections` to say
+
+All of it is darkened where there is varnish, which adds the lights and the environment through its
+own lobe; of the scene it mirrors nothing.
 """
 
 from typing import NamedTuple
@@ -13,6 +16,7 @@ import numpy as np
 from raysvc.frame.prepared import Prepared
 from raysvc.frame.settings import Settings
 from raysvc.frame.statistics import Ledger
+from raysvc.lighting.clearcoat import Varnish
 from raysvc.lighting.direct import arriving, reflected
 from raysvc.lighting.sun import SunLight
 from raysvc.scene import PunctualLight
@@ -36,11 +40,11 @@ class Lit(NamedTuple):
     visible: Floats
     """(N,) part of the hemisphere that is free."""
     radiance: Floats
-    """(N, 3) emission, lights, and the environment's diffuse lobe."""
+    """(N, 3) emission, lights, the environment's diffuse lobe, and varnish."""
     lobe: Floats
-    """(N, 3) the environment through the specular lobe, with nothing in the way."""
+    """(N, 3) the environment through the specular lobe, with nothing but varnish in the way."""
     albedo: Floats
-    """(N, 3) share of constant light that the specular lobe returns."""
+    """(N, 3) share of constant light that the specular lobe returns, through varnish."""
 
 
 class Illumination:
@@ -66,10 +70,15 @@ class Illumination:
     def direct(self, surface: Surface) -> Floats:
         """(N, 3) radiance from the sun and punctual lights."""
         total = np.zeros((surface.size, 3), np.float32)
+        varnish = Varnish.of(surface)
+        coat, point = varnish.surface, varnish.point
         for light in self._lights:
             to_light, distance, irradiance = arriving(light, surface.position)
             radius_rad = light.angular_radius_rad if isinstance(light, SunLight) else 0.0
             radiance = reflected(surface, to_light, irradiance, radius_rad)
+            varnish.laid_over(
+                radiance, reflected(coat, to_light[point], irradiance[point], radius_rad)
+            )
             if self._settings.shadows:
                 lit = np.flatnonzero(np.einsum("nk->n", radiance))
                 # A ray that starts off the surface must not pass a light that is near it.
@@ -92,10 +101,17 @@ class Illumination:
         """Put together what lights N points: `direct` (N, 3), `visible` (N,) of the environment."""
         light, samples = self._prepared.light, self._settings.ibl_lobe_samples
         visible = visible * surface.occlusion
-        radiance = surface.emissive + direct
-        radiance += light.diffuse(surface, samples) * interreflected(visible, surface.base_colour)
+        diffuse = light.diffuse(surface, samples)
+        radiance = surface.emissive + diffuse * interreflected(visible, surface.base_colour)
         albedo = light.specular_albedo(surface)
         lobe = self._specular_lobe(surface, albedo)
+        varnish = Varnish.of(surface)
+        coat = self._specular_lobe(varnish.surface, varnish.share)
+        coat *= specular_occlusion(varnish.surface, visible[varnish.point])[:, None]
+        varnish.laid_over(radiance, coat)
+        varnish.laid_over(lobe, np.zeros_like(coat))
+        varnish.laid_over(albedo, np.zeros_like(coat))
+        radiance += direct
         return Lit(surface, footprint, visible, radiance, lobe, albedo)
 
     def lit_in_mirror(self, surface: Surface, footprint: Floats) -> Lit:
@@ -114,6 +130,17 @@ class Illumination:
             index = np.flatnonzero(chosen)
             lobe[index] = light.specular(surface.chosen(index), lookups)
         return lobe
+
+
+def specular_occlusion(surface: Surface, visible: Floats) -> Floats:
+    """(N,) part of the specular lobe that is free where `visible` (N,) of the hemisphere is.
+
+    Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", section 4.10.2.
+    """
+    cosine = np.einsum("nk,nk->n", surface.normal, surface.to_viewer)
+    power = np.exp2(-16.0 * surface.roughness - 1.0)
+    free: Floats = np.power(np.maximum(cosine + visible, 0.0), power) - 1.0 + visible
+    return np.clip(free, 0.0, 1.0)
 
 
 def interreflected(visible: Floats, albedo: Floats) -> Floats:

@@ -17,7 +17,7 @@ import numpy as np
 from raysvc.accel.base import Hits
 from raysvc.frame.passes import ORGANISATIONS
 from raysvc.frame.prepared import Prepared
-from raysvc.frame.radiance import Illumination, Lit
+from raysvc.frame.radiance import Illumination, Lit, specular_occlusion
 from raysvc.frame.settings import Settings
 from raysvc.frame.statistics import Ledger
 from raysvc.lighting.lobe_kernels import lobe_rays
@@ -202,15 +202,12 @@ def own_light(lit: Lit, reflection: Reflection) -> Floats:
     """(N, 3) radiance of points without what they mirror of the scene.
 
     Where a glossy surface's ray met nothing it shows the environment whole; a matt one shows it as
-    far as ambient occlusion lets it (Lagarde and de Rousiers 2014, "Moving Frostbite to PBR",
-    section 4.10.2).
+    far as ambient occlusion lets it.
     """
     surface = lit.surface
-    cosine = np.einsum("nk,nk->n", surface.normal, surface.to_viewer)
-    power = np.exp2(-16.0 * surface.roughness - 1.0)
-    free = np.power(np.maximum(cosine + lit.visible, 0.0), power) - 1.0 + lit.visible
+    free = specular_occlusion(surface, lit.visible)
     gloss = glossiness(surface.roughness)
-    open_ = np.maximum(gloss - reflection.share, 0.0) + (1.0 - gloss) * np.clip(free, 0.0, 1.0)
+    open_ = np.maximum(gloss - reflection.share, 0.0) + (1.0 - gloss) * free
     radiance = lit.radiance + lit.lobe * open_[:, None]
     shown: Floats = np.where(surface.unlit[:, None], surface.base_colour, radiance)
     return shown

@@ -18,7 +18,7 @@ def warm_up(control: Control | None = None) -> None:
 
 
 def specimen() -> Scene:
-    """A ball with all five textures, before a masked and a blended pane, under a lamp."""
+    """A varnished glass ball with all textures, before a masked and a blended pane, and a lamp."""
     texels = np.full((4, 4, 4), 200, np.uint8)
     texels[::2, ::2, 3] = 0
     ref = TextureRef(0)
@@ -29,7 +29,15 @@ def specimen() -> Scene:
         normal_texture=ref,
         occlusion_texture=ref,
         emissive_texture=ref,
+        transmission_texture=ref,
+        clearcoat_texture=ref,
+        clearcoat_roughness_texture=ref,
+        clearcoat_normal_texture=ref,
         roughness=0.3,
+        transmission=0.5,
+        solid=True,
+        clearcoat=1.0,
+        clearcoat_roughness=0.2,
     )
     panes = [
         Material(name=mode, alpha_mode=mode, base_colour_texture=ref, double_sided=True)

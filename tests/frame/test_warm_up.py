@@ -9,6 +9,7 @@ def test_the_specimen_has_every_kind_of_material_and_slot() -> None:
     scene = specimen()
     assert {material.alpha_mode for material in scene.materials} == {"opaque", "mask", "blend"}
     assert None not in scene.materials[0].texture_refs()
+    assert scene.materials[0].solid and scene.materials[0].clearcoat > 0
 
 
 def test_a_frame_after_the_specimen_compiles_nothing_new() -> None:
@@ -24,17 +25,26 @@ def compiled() -> dict[str, int]:
     from raysvc.frame import composite_kernels
     from raysvc.geometry import triangle_kernels
     from raysvc.lens import spread_kernels
-    from raysvc.lighting import direct_kernels, image_kernels
-    from raysvc.shading import coverage_kernels, surface_kernels, texture_kernels
+    from raysvc.lighting import clearcoat, direct_kernels, image_kernels
+    from raysvc.shading import (
+        coat_kernels,
+        coverage_kernels,
+        glass_kernels,
+        surface_kernels,
+        texture_kernels,
+    )
     from raysvc.tracing import occlusion_kernels, offset_kernels
 
     modules = (
         composite_kernels,
         triangle_kernels,
         spread_kernels,
+        clearcoat,
         direct_kernels,
         image_kernels,
+        coat_kernels,
         coverage_kernels,
+        glass_kernels,
         surface_kernels,
         texture_kernels,
         occlusion_kernels,
