@@ -49,6 +49,12 @@ class Control:
             other._deadline = deadline if self._deadline is None else min(deadline, self._deadline)
         return other
 
+    def quiet(self) -> "Control":
+        """Return this control without its progress, for work that is one step of something."""
+        other = copy.copy(self)
+        other._on_progress = None
+        return other
+
     def cancel(self) -> None:
         """Ask the work to stop at its next check."""
         self._cancelled.set()

@@ -155,3 +155,13 @@ def test_limits_do_not_change_the_control_they_come_from():
     control.limited(1, 0.0)
     assert control.threads == 4
     control.check()
+
+
+def test_a_quiet_control_says_nothing_and_still_stops():
+    heard = []
+    control = Control(2, on_progress=lambda *told: heard.append(told))
+    for_chunks(4, 1, lambda a, b: None, control.quiet(), "quiet")
+    assert heard == []
+    control.cancel()
+    with pytest.raises(Cancelled):
+        control.quiet().check()

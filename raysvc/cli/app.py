@@ -26,8 +26,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (serve, render, compare, inspect, bench, warmup, demo):
+for command in (serve, render, compare, inspect, warmup, demo):
     app.command()(command)
+app.add_typer(bench)
 
 
 def _show_version(wanted: bool) -> None:

@@ -1,42 +1,107 @@
 """`raysvc bench`: how fast the parts of raysvc are on this machine."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any
 
 import typer
 
-from raysvc.cli.arguments import writable
+from raysvc.cli.arguments import camera_mapping, output_format, settings_mapping, writable
 from raysvc.cli.progress import progress_bar
-from raysvc.cli.tables import bench_table, show
+from raysvc.cli.tables import bench_table, frame_tables, show
 from raysvc.compare.benchmark import bench_structures
-from raysvc.errors import InvalidSetting
+from raysvc.compare.frame_scaling import SERIES, bench_frame
+from raysvc.frame.settings import checked, settings_from
+from raysvc.frame.view import View
 from raysvc.loading import load_scene
 from raysvc.parallel import Control
+from raysvc.scene import Scene
 
-BENCHES: Final = ("structures",)
+DEFAULT_SCENE = "builtin:torus_park"
+
+bench = typer.Typer(name="bench")
+
+Output = Annotated[Path | None, typer.Option("--json", help="A file for the results.")]
+Scenes = Annotated[
+    list[str] | None,
+    typer.Option("--scene", help="A scene file, or builtin:NAME; may be repeated."),
+]
+Rounds = Annotated[int, typer.Option("--rounds", min=1, max=100, help="Timed rounds.")]
 
 
-def bench(
-    name: Annotated[str, typer.Argument(help="What to measure: structures.")],
-    output: Annotated[Path | None, typer.Option("--json", help="A file for the results.")] = None,
-    scene: Annotated[
-        list[str] | None,
-        typer.Option("--scene", help="A scene file, or builtin:NAME; may be repeated."),
-    ] = None,
+@bench.callback(invoke_without_command=True)
+def _group(context: typer.Context) -> None:
+    """Measure how fast the parts of raysvc are on this machine."""
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+        raise typer.Exit(2)
+
+
+@bench.command()
+def structures(
+    output: Output = None,
+    scene: Scenes = None,
     count: Annotated[
         int, typer.Option("--count", min=1, max=10_000_000, help="Rays of each kind.")
     ] = 100_000,
-    rounds: Annotated[int, typer.Option("--rounds", min=1, max=100, help="Timed rounds.")] = 5,
+    rounds: Rounds = 5,
 ) -> None:
     """Measure every structure on five kinds of rays, against Embree."""
-    if name not in BENCHES:
-        raise InvalidSetting(f"unknown benchmark {name!r}; there is {', '.join(BENCHES)}", "NAME")
+    _check(output)
+    with progress_bar("bench structures") as report:
+        measured = bench_structures(
+            _loaded(scene), count, rounds, control=Control(on_progress=report)
+        )
+    _write(output, measured)
+    show(bench_table(measured["results"]))
+
+
+@bench.command()
+def frame(
+    output: Output = None,
+    series: Annotated[
+        str, typer.Option("--series", help=f"Some of {', '.join(SERIES)}, commas between.")
+    ] = ",".join(SERIES),
+    scene: Scenes = None,
+    size: Annotated[
+        str | None, typer.Option("--size", help="WIDTHxHEIGHT of the picture in pixels.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", help="KEY=VALUE of a setting; may be repeated.")
+    ] = None,
+    rounds: Rounds = 5,
+    chart: Annotated[Path | None, typer.Option("--chart", help="A chart: .svg or .png.")] = None,
+) -> None:
+    """Measure a warm frame, and how it scales with bounces, pixels, triangles and threads."""
+    _check(output)
+    if chart is not None:
+        output_format(writable(chart, "--chart"), "--chart", ("svg", "png"))
+    settings = settings_from(settings_mapping(set_ or []))
+    view = checked(View, camera_mapping(None, size), "camera")
+    with progress_bar("bench frame") as report:
+        control = Control(on_progress=report)
+        measured = bench_frame(_loaded(scene), series.split(","), view, settings, rounds, control)
+    _write(output, measured)
+    # Matplotlib takes longer to import than the rest of the command line.
+    if chart is not None:
+        from raysvc.compare.frame_charts import frame_chart
+
+        drawn = frame_chart(measured, output_format(chart, "--chart", ("svg", "png")))
+        chart.write_bytes(drawn)
+    for each in frame_tables(measured["results"]):
+        show(each)
+
+
+def _check(output: Path | None) -> None:
     if output is not None:
         writable(output, "--json")
-    with progress_bar(f"bench {name}") as report:
-        scenes = {source: load_scene(source) for source in scene or ["builtin:torus_park"]}
-        measured = bench_structures(scenes, count, rounds, control=Control(on_progress=report))
+
+
+def _loaded(sources: list[str] | None) -> dict[str, Scene]:
+    return {source: load_scene(source) for source in sources or [DEFAULT_SCENE]}
+
+
+def _write(output: Path | None, measured: Mapping[str, Any]) -> None:
     if output is not None:
         output.write_text(json.dumps(measured, indent=2) + "\n", encoding="utf-8")
-    show(bench_table(measured["results"]))

@@ -74,6 +74,39 @@ def bench_table(results: Sequence[Mapping[str, Any]]) -> Table:
     return plain_table(columns, rows, numbers)
 
 
+def frame_tables(results: Sequence[Mapping[str, Any]]) -> list[Table]:
+    """A table for each scene and series of frames: what is varied beside each other, seconds,
+    stages and rays below."""
+    groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+    for result in results:
+        groups.setdefault((result["scene"], result["series"]), []).append(result)
+    return [_frame_table(scene, series, points) for (scene, series), points in groups.items()]
+
+
+def _frame_table(scene: str, series: str, points: Sequence[Mapping[str, Any]]) -> Table:
+    """One series; what is the same in all of it is the title."""
+    stages = [{each["name"]: each["seconds"] for each in point["stages"]} for point in points]
+    kinds = list(dict.fromkeys(kind for point in points for kind in point["rays"]))
+    columns = [series, *(point["point"] for point in points)]
+    table = plain_table(columns, [], numbers=range(1, len(columns)))
+    table.add_row("seconds", *(f"{point['seconds']:.3f}" for point in points))
+    table.add_row("between quartiles", *(f"{point['iqr']:.3f}" for point in points))
+    table.add_section()
+    for name in stages[0]:
+        table.add_row(name, *(f"{seconds[name]:.3f}" for seconds in stages))
+    table.add_section()
+    for kind in kinds:
+        table.add_row(f"{kind} rays", *(f"{point['rays'].get(kind, 0):,}" for point in points))
+    table.add_row("edge pixels", *(f"{100 * point['edge_fraction']:.1f} %" for point in points))
+    facts = [
+        {f"{point['width']}x{point['height']}" for point in points},
+        {f"{point['triangles']:,} triangles" for point in points},
+        {f"{point['threads']} threads" for point in points},
+    ]
+    table.title = ", ".join([scene, *(each.pop() for each in facts if len(each) == 1)])
+    return table
+
+
 def _number(value: float | None, digits: int) -> str:
     return "-" if value is None else f"{value:,.{digits}f}"
 

@@ -16,6 +16,7 @@ from raysvc.compare.measure import (
     alone,
     build_figures,
     paces,
+    thread_counts,
     timed_build,
     traversal_figures,
 )
@@ -190,7 +191,7 @@ class _Work:
                 count = len(each.triangles.indices)
                 median = speed[place, 1].median
                 triangles.append(TrianglePoint(each.label, count, build_ms, median))
-        speed = self._paces(contenders, asked, self._all_threads)
+        speed = self._paces(contenders, asked, thread_counts(self._threads[-1]))
         for (place, count), pace in speed.items():
             threads.append(ThreadPoint(contenders[place].label, count, pace.median))
         return Scaling(tuple(triangles), tuple(threads))
@@ -208,17 +209,12 @@ class _Work:
             self._steps.next,
         )
 
-    @property
-    def _all_threads(self) -> tuple[int, ...]:
-        """One, two, four ... and all threads."""
-        doubled = [1 << k for k in range(self._threads[-1].bit_length())]
-        return tuple(sorted({*doubled, self._threads[-1]}))
-
     def _step_count(self) -> int:
         """How often a step begins."""
         settings, contenders = self._settings, len(self._chosen) * len(self._trees)
         turns = settings.rounds + 1
         each = settings.builds + 2 + turns * len(self._threads) + settings.heat_map
         if settings.scaling:
-            each += len(PARTS) * (1 + turns) + turns * len(self._all_threads)
+            counts = thread_counts(self._threads[-1])
+            each += len(PARTS) * (1 + turns) + turns * len(counts)
         return 1 + contenders * each

@@ -54,6 +54,12 @@ class Steps:
         self._done += 1
 
 
+def thread_counts(most: int) -> tuple[int, ...]:
+    """One, two, four ... and `most` threads."""
+    doubled = [1 << k for k in range(most.bit_length())]
+    return tuple(sorted({*doubled, most}))
+
+
 def timed_build(
     scene: Scene, candidate: Candidate, trees: Trees, builds: int, steps: Steps, part: slice
 ) -> tuple[Contender, float]:

@@ -44,18 +44,24 @@ def test_every_kind_of_problem_is_documented(problem: object) -> None:
     assert f"| `{problem.type}` | {int(problem.status)} |" in HTTP  # type: ignore[attr-defined]
 
 
-def commands() -> list[str]:
-    group = typer.main.get_command(command_line)
-    return sorted(group.commands)  # type: ignore[attr-defined]
+def commands() -> dict[str, typer.core.TyperCommand]:
+    """Every command by its words: `render`, `bench frame`."""
+    found: dict[str, typer.core.TyperCommand] = {}
+    groups = {"": typer.main.get_command(command_line)}
+    while groups:
+        words, group = groups.popitem()
+        for name, command in group.commands.items():  # type: ignore[attr-defined]
+            holds = groups if hasattr(command, "commands") else found
+            holds[f"{words} {name}".strip()] = command
+    return found
 
 
-@pytest.mark.parametrize("name", commands())
+@pytest.mark.parametrize("name", sorted(commands()))
 def test_every_command_is_documented_with_its_options(name: str) -> None:
-    heading = f"## raysvc {name}"
+    heading = f"## raysvc {name}\n"
     assert heading in COMMAND_LINE
     section = COMMAND_LINE.partition(heading)[2].partition("\n## ")[0]
-    command = typer.main.get_command(command_line).commands[name]  # type: ignore[attr-defined]
-    for parameter in command.params:
+    for parameter in commands()[name].params:
         for option in parameter.opts + parameter.secondary_opts:
             if option.startswith("-"):
                 assert f"`{option}" in section, option

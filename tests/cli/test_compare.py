@@ -75,6 +75,49 @@ def test_wrong_input_ends_with_2_and_one_line(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_unknown_benchmark_is_refused(capsys: Capture) -> None:
-    assert run(["bench", "smell"]) == 2
-    assert capsys.readouterr().err.startswith("error: NAME: unknown benchmark 'smell'")
+def test_frames_are_benchmarked(tmp_path: Path, capsys: Capture) -> None:
+    figures, chart = tmp_path / "f.json", tmp_path / "c.svg"
+    words = ["bench", "frame", "--scene", "builtin:cornell", "--size", "16x12", "--rounds", "1"]
+    words += ["--series", "stages,resolution", "--set", "occlusion_samples=1"]
+    assert run([*words, "--json", str(figures), "--chart", str(chart)]) == 0
+    measured = json.loads(figures.read_text())
+    assert {"machine", "version", "results"} <= set(measured)
+    assert [(r["series"], r["width"]) for r in measured["results"]] == [
+        ("stages", 16),
+        *(("resolution", width) for width in (4, 8, 12, 16, 24)),
+    ]
+    assert "<svg" in chart.read_text()
+    shown = capsys.readouterr()
+    assert "24x18" in shown.out and "rasterise" in shown.out and "shadow rays" in shown.out
+    assert shown.err == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (["smell"], "error: No such command 'smell'"),
+        (["frame", "--series", "weather"], "error: series: unknown 'weather'"),
+        (["frame", "--set", "bounces=9"], "error: settings.bounces: "),
+        (["frame", "--size", "wide"], "error: --size: "),
+        (["frame", "--chart", "c.gif"], "error: --chart: must end in .svg .png"),
+        (["frame", "--json", "nowhere/f.json"], "error: --json: there is no folder"),
+        (["frame", "--count", "5"], "error: No such option: --count"),
+    ],
+)
+def test_wrong_words_for_a_benchmark_are_refused(
+    words: list[str],
+    complaint: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: Capture,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(["bench", *words]) == 2
+    assert capsys.readouterr().err.startswith(complaint)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_benchmarks_are_listed(capsys: Capture) -> None:
+    assert run(["bench"]) == 2
+    shown = capsys.readouterr()
+    assert "structures" in shown.out and "frame" in shown.out
