@@ -1,4 +1,4 @@
-"""`raysvc compare`: acceleration structures measured on a scene."""
+"""`raysvc compare`: structures measured on a scene, or a picture of it beside its reference."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -6,6 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from raysvc.cli.arguments import camera_mapping, output_format, writable
+from raysvc.cli.compare_pictures import show_difference
 from raysvc.cli.progress import progress_bar
 from raysvc.cli.tables import comparison_table, show
 from raysvc.compare.compare import compare as compare_structures
@@ -19,7 +20,8 @@ from raysvc.parallel import Control
 def compare(
     scene: Annotated[str, typer.Argument(help="A scene file, or builtin:NAME.")],
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="The figures: .json .csv or .md.")
+        Path | None,
+        typer.Option("--output", "-o", help="The figures: .json .csv or .md; of pictures .json."),
     ] = None,
     rays: Annotated[
         str | None,
@@ -38,7 +40,8 @@ def compare(
         Path | None, typer.Option("--camera", help="A JSON file; by default the scene is framed.")
     ] = None,
     size: Annotated[
-        str | None, typer.Option("--size", help="WIDTHxHEIGHT of the heat maps in pixels.")
+        str | None,
+        typer.Option("--size", help="WIDTHxHEIGHT of heat maps or pictures, in pixels."),
     ] = None,
     rounds: Annotated[int | None, typer.Option("--rounds", help="Timed rounds.")] = None,
     scaling: Annotated[
@@ -49,8 +52,48 @@ def compare(
         Path | None,
         typer.Option("--heat-map", help="Costs by pixel: .png, or .exr with the counts."),
     ] = None,
+    pictures: Annotated[
+        Path | None,
+        typer.Option(
+            "--pictures",
+            help="Not structures but pictures: a .png of the hybrid one, the path-traced one, "
+            "and their difference.",
+        ),
+    ] = None,
+    environment: Annotated[
+        str | None,
+        typer.Option("--environment", "-e", help="Of pictures: .hdr, .exr or builtin:NAME."),
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="Of pictures: KEY=VALUE of a setting; may be repeated."),
+    ] = None,
+    samples: Annotated[
+        int | None, typer.Option("--samples", help="Of pictures: paths per pixel of the reference.")
+    ] = None,
 ) -> None:
-    """Measure acceleration structures on a scene."""
+    """Measure acceleration structures on a scene, or a picture of it against its reference."""
+    only_structures = {
+        "--rays": rays,
+        "--count": count,
+        "--seed": seed,
+        "--structures": structures,
+        "--trees": trees,
+        "--rounds": rounds,
+        "--scaling": scaling or None,
+        "--chart": chart,
+        "--heat-map": heat_map,
+    }
+    only_pictures = {"--environment": environment, "--set": set_, "--samples": samples}
+    refused = only_pictures if pictures is None else only_structures
+    for option, value in refused.items():
+        if value is not None:
+            other = "needs" if pictures is None else "cannot be given together with"
+            raise InvalidSetting(f"{other} --pictures", field=option)
+    if pictures is not None:
+        view = camera_mapping(camera, size)
+        show_difference(scene, environment, view, set_ or [], samples, pictures, output)
+        return
     for path, option, formats in (
         (output, "--output", TABLE_FORMATS),
         (chart, "--chart", ("svg", "png")),
@@ -94,7 +137,7 @@ def compare(
 
         if not measured.heat_maps:
             raise InvalidSetting("no structure that was asked shows its steps", "--heat-map")
-        pictures = {"png": heat_maps_png, "exr": heat_maps_exr}
+        encoders = {"png": heat_maps_png, "exr": heat_maps_exr}
         format = output_format(heat_map, "--heat-map", ("png", "exr"))
-        heat_map.write_bytes(pictures[format](measured.heat_maps))
+        heat_map.write_bytes(encoders[format](measured.heat_maps))
     show(comparison_table(measured))

@@ -74,6 +74,23 @@ def bench_table(results: Sequence[Mapping[str, Any]]) -> Table:
     return plain_table(columns, rows, numbers)
 
 
+def difference_table(compared: Mapping[str, Any]) -> Table:
+    """A hybrid picture against its reference."""
+    rows = [
+        ("FLIP", f"{compared['flip']:.4f}"),
+        ("HDR-FLIP", f"{compared['hdr_flip']:.4f}"),
+        ("relMSE", f"{compared['rel_mse']:.4f}"),
+        ("relMSE, trimmed", f"{compared['rel_mse_trimmed']:.4f}"),
+        ("mean ratio", _number(compared["mean_ratio"], 4)),
+        ("seconds", f"{compared['seconds']:.2f}"),
+        ("seconds of the reference", f"{compared['reference_seconds']:.2f}"),
+    ]
+    table = plain_table(("hybrid against reference", ""), rows, numbers=(1,))
+    where = f"{compared['scene']}, {compared['environment']}"
+    table.title = f"{where}, {compared['width']}x{compared['height']}"
+    return table
+
+
 def frame_tables(results: Sequence[Mapping[str, Any]]) -> list[Table]:
     """A table for each scene and series of frames: what is varied beside each other, seconds,
     stages and rays below."""

@@ -49,11 +49,8 @@ def encode_png16(picture: Words) -> bytes:
 
 def encode_jpeg(picture: Bytes, quality: int = JPEG_QUALITY) -> bytes:
     """JPEG of (H, W, 3|4) uint8 sRGB, chroma not subsampled; what is transparent is black."""
-    if picture.shape[2] == 4:
-        weighted = picture[..., :3].astype(np.uint16) * picture[..., 3:] + 127
-        picture = (weighted // 255).astype(np.uint8)
     out = io.BytesIO()
-    Image.fromarray(picture).save(out, "JPEG", quality=quality, subsampling=0)
+    Image.fromarray(over_black(picture)).save(out, "JPEG", quality=quality, subsampling=0)
     return out.getvalue()
 
 
@@ -62,3 +59,11 @@ def encode_webp(picture: Bytes, quality: int = WEBP_QUALITY) -> bytes:
     out = io.BytesIO()
     Image.fromarray(picture).save(out, "WEBP", quality=quality)
     return out.getvalue()
+
+
+def over_black(picture: Bytes) -> Bytes:
+    """(H, W, 3) of (H, W, 3|4) uint8 with straight alpha; what is transparent is black."""
+    if picture.shape[2] == 3:
+        return picture
+    weighted = picture[..., :3].astype(np.uint16) * picture[..., 3:] + 127
+    return (weighted // 255).astype(np.uint8)

@@ -1,10 +1,12 @@
 import json
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from PIL import Image
 
 from raysvc.cli.app import run
+from raysvc.frame.settings import Settings
 
 Capture = pytest.CaptureFixture[str]
 COMPARE = ["compare", "builtin:cornell", "--count", "200", "--rounds", "1"]
@@ -36,6 +38,62 @@ def test_the_suffix_names_the_table(suffix: str, tmp_path: Path) -> None:
     assert "brute" in path.read_text()
 
 
+@pytest.fixture
+def reference_mode(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two hybrid pictures are compared where there is no reference mode."""
+    if "reference" not in get_args(Settings.model_fields["mode"].annotation):
+
+        def smooth(settings: Settings, samples: int | None = None) -> Settings:
+            return settings.model_copy(update={"aa": "full", "aa_samples": samples or 2})
+
+        for place in ("raysvc.compare.picture_comparison", "raysvc.cli.compare_pictures"):
+            monkeypatch.setattr(f"{place}.reference_settings", smooth)
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (["p.png", "--rays", "random"], "error: --rays: cannot be given together with --pictures"),
+        (["p.png", "--scaling"], "error: --scaling: cannot be given together with --pictures"),
+        (["p.png", "--chart", "c.svg"], "error: --chart: cannot be given together with"),
+        (["p.jpg"], "error: --pictures: must end in .png"),
+        (["p.png", "-o", "f.csv"], "error: --output: must end in .json"),
+        (["p.png", "--set", "bounces=9"], "error: settings.bounces: "),
+        (["p.png", "--samples", "0"], "error: settings.samples: "),
+        (["p.png", "--size", "0x4"], "error: camera.width: "),
+        (["p.png", "-e", "nowhere.hdr"], "error: nowhere.hdr: "),
+    ],
+)
+def test_wrong_words_for_pictures_are_refused(
+    words: list[str],
+    complaint: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: Capture,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(["compare", "builtin:cornell", "--pictures", *words]) == 2
+    assert capsys.readouterr().err.startswith(complaint)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("reference_mode")
+def test_a_picture_is_compared_with_its_reference(tmp_path: Path, capsys: Capture) -> None:
+    picture, figures = tmp_path / "p.png", tmp_path / "f.json"
+    words = ["compare", "builtin:cornell", "--pictures", str(picture), "-o", str(figures)]
+    words += ["-e", "builtin:gradient", "--size", "20x16", "--samples", "2"]
+    assert run([*words, "--set", "occlusion_samples=2", "--set", "exposure_stops=-1"]) == 0
+    with Image.open(picture) as image:
+        assert image.size == (60, 16)
+    measured = json.loads(figures.read_text())
+    assert measured["scene"] == "builtin:cornell"
+    assert measured["environment"] == "builtin:gradient"
+    assert measured["settings"]["exposure_stops"] == -1
+    assert {"flip", "hdr_flip", "rel_mse", "rel_mse_trimmed", "mean_ratio"} <= set(measured)
+    shown = capsys.readouterr()
+    assert "HDR-FLIP" in shown.out and shown.err == ""
+
+
 def test_structures_are_benchmarked(tmp_path: Path, capsys: Capture) -> None:
     path = tmp_path / "b.json"
     words = ["bench", "structures", "--scene", "builtin:cornell", "--count", "100"]
@@ -58,6 +116,9 @@ def test_structures_are_benchmarked(tmp_path: Path, capsys: Capture) -> None:
         (["--count", "20000000"], "error: count: must be at most 10,000,000"),
         (["--structures", "brute", "--count", "2000000"], "error: structures: brute tests"),
         (["--structures", "embree", "--heat-map", "costs.png"], "error: --heat-map: no structure"),
+        (["--set", "bounces=2"], "error: --set: needs --pictures"),
+        (["-e", "builtin:studio"], "error: --environment: needs --pictures"),
+        (["--samples", "4"], "error: --samples: needs --pictures"),
     ],
 )
 def test_wrong_input_ends_with_2_and_one_line(
