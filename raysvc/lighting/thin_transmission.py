@@ -16,9 +16,14 @@ Directions are unit, in a frame whose third axis is the normal on the viewer's s
 from below.
 """
 
+import numpy as np
+
 from raysvc.geometry.vector_kernels import Vec3
 from raysvc.jit import inlined
 from raysvc.lighting.microfacet_reflection import reflection_lobe, reflection_sample
+from raysvc.shading.coat import Coat
+from raysvc.shading.glass import Glass
+from raysvc.shading.surface import Surface
 
 
 @inlined
@@ -34,3 +39,30 @@ def thin_sample(
     """Direction of light out of the lobe, |N.L| f / pdf, and V.H; see `brdf.visible_normal`."""
     light, weight, voh = reflection_sample(view, alpha, cos_turn, sin_turn, u)
     return (light[0], light[1], -light[2]), weight, voh
+
+
+def far_side(surface: Surface) -> Surface:
+    """Turn sheets over, so that what they mirror is what comes through them.
+
+    Returns
+    -------
+    Surface
+        N points that face away from the viewer and are seen along the mirrored view, with a
+        reflectance of 1 and nothing diffused. What lights, traces or filters the mirror lobe of
+        surfaces does it for transmission with this one: the mean of light over its lobe, times
+        the share that `boundary_albedo` says, is what comes through.
+    """
+    cosine = np.einsum("nk,nk->n", surface.normal, surface.to_viewer)[:, None]
+    nothing, one = np.zeros(surface.size, np.float32), np.ones(surface.size, np.float32)
+    return surface._replace(
+        geometric_normal=-surface.geometric_normal,
+        normal=-surface.normal,
+        to_viewer=surface.to_viewer - 2.0 * cosine * surface.normal,
+        base_colour=np.zeros((surface.size, 3), np.float32),
+        metallic=nothing,
+        dielectric_f0=one,
+        transmission=nothing,
+        emissive=np.zeros((surface.size, 3), np.float32),
+        coat=Coat.empty(0),
+        glass=Glass.empty(0),
+    )

@@ -1,4 +1,4 @@
-"""The mirror lobe, and the same lobe through a thin sheet."""
+"""The mirror lobe."""
 
 import math
 
@@ -7,7 +7,6 @@ import pytest
 
 from raysvc.jit import kernel
 from raysvc.lighting.microfacet_reflection import reflection_lobe, reflection_sample
-from raysvc.lighting.thin_transmission import thin_lobe, thin_sample
 from tests.lighting.surfaces import random_directions
 from tests.oracles.brdf import gltf_lobes
 from tests.oracles.btdf import hemisphere
@@ -92,22 +91,3 @@ def _bin(light, bins):
     row = np.minimum((light[:, 2] * bins).astype(int), bins - 1)
     turn = np.arctan2(light[:, 1], light[:, 0]) / (2 * np.pi) % 1.0
     return row * bins + np.minimum((turn * bins).astype(int), bins - 1)
-
-
-def test_through_a_sheet_the_lobe_is_that_of_reflection_mirrored(rng):
-    view = view_at(0.6)
-    for x, y, z in random_directions(rng, 100):
-        assert thin_lobe(view, (x, y, -z), 0.3) == reflection_lobe(view, (x, y, z), 0.3)
-    for turn, u in rng.random((100, 2)):
-        c, s = math.cos(turn), math.sin(turn)
-        (x, y, z), weight, voh = thin_sample(view, 0.3, c, s, u)
-        assert ((x, y, -z), weight, voh) == reflection_sample(view, 0.3, c, s, u)
-
-
-def test_a_smooth_sheet_is_seen_straight_through():
-    view = view_at(0.4)
-    light, weight, _ = thin_sample(view, 1e-3, 1.0, 0.0, 0.0)
-    assert np.allclose(light, [-x for x in view], atol=1e-6)
-    assert weight == pytest.approx(1, abs=1e-4)
-    assert thin_lobe(view, light, 1e-3)[0] > 1e4
-    assert thin_lobe(view, (-light[0], light[1], light[2]), 1e-3)[0] < 1e-3
