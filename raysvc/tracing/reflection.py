@@ -1,4 +1,4 @@
-"""The ray that continues from a shiny point."""
+"""Rays that leave points of surfaces: mirrored, in any direction, or to a place."""
 
 import numpy as np
 
@@ -36,3 +36,22 @@ def rays_from(
         origins,
     )
     return Rays(origins, directions, np.ascontiguousarray(t_max, np.float32))
+
+
+def rays_towards(surface: Surface, to_place: Floats, distance: Floats, index: Longs) -> Rays:
+    """Rays (N) that leave the surface's points `index` (N,) and end at places.
+
+    A place is `distance` (N,) from its point in the direction `to_place` (N, 3), or infinitely far.
+    A ray starts a little off its point, and is aimed at the place from there.
+    """
+    rays = rays_from(surface, to_place, distance, index)
+    near = np.flatnonzero(np.isfinite(distance))
+    if not len(near):
+        return rays
+    ends = surface.position[index[near]] + to_place[near] * distance[near, None].astype(np.float64)
+    away = ends - rays.origins[near]
+    reach = np.sqrt(np.einsum("nk,nk->n", away, away))
+    directions, t_max = rays.directions.copy(), rays.t_max.copy()
+    directions[near] = away / np.maximum(reach, 1e-30)[:, None]
+    t_max[near] = reach
+    return Rays(rays.origins, directions, t_max)

@@ -11,7 +11,7 @@ from raysvc.accel.registry import build, choose
 from raysvc.scene import Scene
 from raysvc.shading.scene_tables import SceneTables
 from raysvc.tracing.march import March
-from raysvc.types import Bools, Floats, Ints, Longs
+from raysvc.types import Bools, Doubles, Floats, Ints, Longs
 
 MAX_HOLES = 64
 """Triangles with holes that one ray may pass through; those behind are not there."""
@@ -118,6 +118,38 @@ class World:
             np.concatenate([hits.triangle for _, hits in found])[order],
             np.concatenate([hits.barycentric for _, hits in found])[order],
         )
+
+    def drawn(self, rays: Rays, share: Doubles, *, from_camera: bool = False) -> Hits:
+        """Nearest hits, blended surfaces met as often as they cover what is behind them.
+
+        A ray stops where what it has met covers more than its random number `share` (R,) in 0..1.
+        Rays `from_camera` do not see the backs of single-sided triangles.
+        """
+        if self._holed is None and not from_camera:
+            return hits_on(self._triangles, self._solid.nearest_triangle(rays), rays)
+        t = np.full(len(rays), np.inf, np.float32)
+        triangle = np.full(len(rays), -1, np.int32)
+        barycentric = np.zeros((len(rays), 2), np.float32)
+        through = np.ones(len(rays))
+        march = March(rays, rays.t_max, np.arange(len(rays)))
+        for _ in range(MAX_HOLES):
+            some, active = march.ahead(), march.active
+            hits = self._nearest_of_all(some)
+            if from_camera:
+                coverage = self._tables.coverage(hits.triangle, hits.barycentric, some.directions)
+            else:
+                coverage = self._tables.alpha(hits.triangle, hits.barycentric)
+            new = march.is_new(hits)
+            through[active[new]] *= 1.0 - coverage[new]
+            stops = new & (through[active] < 1.0 - share[active])
+            at = active[stops]
+            t[at] = march.distance(hits)[stops]
+            triangle[at] = hits.triangle[stops]
+            barycentric[at] = hits.barycentric[stops]
+            march.go_on(hits, (hits.triangle >= 0) & ~stops)
+            if not len(march.active):
+                break
+        return Hits(t, triangle, barycentric)
 
     def _nearest_of_all(self, rays: Rays) -> Hits:
         """Nearest triangle of either structure, whatever it is made of."""

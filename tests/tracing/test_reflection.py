@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from raysvc.shading.scene_tables import SceneTables
-from raysvc.tracing.reflection import mirror_rays, rays_from
+from raysvc.tracing.reflection import mirror_rays, rays_from, rays_towards
 from raysvc.tracing.world import World
 from tests.scenes import mesh
 from tests.tracing.points import points
@@ -68,3 +68,24 @@ def test_a_triangle_never_shadows_itself(structure, seed, size, away):
     asked = rays_from(surface, leaving, np.full(200, np.inf))
     assert (World(scene, tables, structure).transmittance(asked) == 1).all()
     assert (World(scene, tables, structure).transmittance(mirror_rays(surface)) == 1).all()
+
+
+def test_rays_end_at_the_places_they_are_sent_to(rng):
+    at = rng.uniform(-50, 50, (200, 3)).astype(np.float32)
+    surface = points(at, (0, 0, 1))
+    index = rng.integers(0, 200, 300)
+    direction = rng.normal(size=(300, 3))
+    direction = (direction / np.linalg.norm(direction, axis=1)[:, None]).astype(np.float32)
+    distance = rng.uniform(0.1, 20, 300).astype(np.float32)
+    distance[::5] = np.inf
+    found = rays_towards(surface, direction, distance, index)
+    near = np.isfinite(distance)
+    ends = found.origins + found.directions * found.t_max[:, None]
+    expected = at[index] + direction * distance[:, None]
+    np.testing.assert_allclose(ends[near], expected[near], atol=2e-5)
+    np.testing.assert_array_equal(found.directions[~near], direction[~near])
+    assert (found.t_max[~near] == np.inf).all()
+    np.testing.assert_allclose(np.linalg.norm(found.directions, axis=1), 1, rtol=1e-6)
+    # They start off the surface, on the side to which they go
+    off = (found.origins - at[index])[:, 2]
+    assert (off * direction[:, 2] > 0).all()

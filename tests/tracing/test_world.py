@@ -80,6 +80,26 @@ def test_rays_through_mixed_scenes_meet_what_the_slow_list_says(seed, solid, t_m
         assert seen.t[at] == pytest.approx([t for t, _ in expected], rel=1e-4)
 
 
+@settings(deadline=None, max_examples=25)
+@given(SEEDS, st.booleans(), st.sampled_from([np.inf, 0.7]), st.booleans())
+def test_drawn_hits_are_those_that_cover_more_than_a_share(seed, solid, t_max, from_camera):
+    rng = np.random.default_rng(seed)
+    scene, asked = mixed_scene(rng, solid=solid), random_rays(rng, t_max=t_max)
+    found, sure = layers(scene, COVERAGE, asked)
+    share = rng.random(len(asked))
+    hits = world(scene).drawn(asked, share, from_camera=from_camera)
+    for r in np.flatnonzero(sure):
+        through, expected = 1.0, (np.inf, -1)
+        for t, f, a, behind in found[r]:
+            double_sided = MIXED[scene.material_of_triangle[f]].double_sided
+            through *= 1.0 if from_camera and behind and not double_sided else 1.0 - a
+            if 1.0 - through > share[r]:
+                expected = (t, f)
+                break
+        assert hits.triangle[r] == expected[1]
+        assert hits.t[r] == pytest.approx(expected[0], rel=1e-4)
+
+
 def test_structures_agree_on_mixed_scenes(rng):
     scene, asked = mixed_scene(rng), random_rays(rng, 300)
     one, other = world(scene, "brute"), world(scene)
@@ -92,6 +112,7 @@ def test_an_empty_scene_lets_everything_through(rng):
     asked = random_rays(rng, 5)
     assert (empty.nearest(asked).triangle == -1).all()
     assert (empty.transmittance(asked) == 1).all()
+    assert (empty.drawn(asked, np.zeros(5)).triangle == -1).all()
     ray, hits = empty.along(asked)
     assert len(ray) == len(hits.t) == 0
 
