@@ -182,17 +182,29 @@ def _row_rgb(radiance: Floats, row: int, column: float) -> tuple[float, float, f
 
 
 @inlined
-def map_radiance(radiance: Floats, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """RGB of a lat-long map (H, W, 3) in the unit direction (x, y, z), bilinear."""
-    height, width = radiance.shape[0], radiance.shape[1]
+def map_place(x: float, y: float, z: float, height: int, width: int) -> tuple[float, float]:
+    """Row and column of a lat-long map in which a unit direction lies; texel centres are whole."""
     # atan2 keeps the digits that acos loses at the poles
     row = math.atan2(math.sqrt(x * x + z * z), y) / math.pi * height - 0.5
     column = (math.atan2(x, -z) / (2.0 * math.pi) + 0.5) * width - 0.5
+    return row, column
+
+
+@inlined
+def map_radiance_at(radiance: Floats, row: float, column: float) -> tuple[float, float, float]:
+    """RGB of a lat-long map (H, W, 3) at a place as `map_place` gives it, bilinear."""
     i = math.floor(row)
     v = row - i
     red, green, blue = _row_rgb(radiance, int(i), column)
     r, g, b = _row_rgb(radiance, int(i) + 1, column)
     return red * (1.0 - v) + r * v, green * (1.0 - v) + g * v, blue * (1.0 - v) + b * v
+
+
+@inlined
+def map_radiance(radiance: Floats, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """RGB of a lat-long map (H, W, 3) in the unit direction (x, y, z), bilinear."""
+    row, column = map_place(x, y, z, radiance.shape[0], radiance.shape[1])
+    return map_radiance_at(radiance, row, column)
 
 
 @kernel
