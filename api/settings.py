@@ -73,6 +73,9 @@ class ApiSettings(BaseSettings):
     max_image_side: int = Field(
         DEFAULT_LIMITS.max_image_side, ge=1, description="Width or height of a picture."
     )
+    max_paths: int = Field(
+        DEFAULT_LIMITS.max_paths, ge=1, description="Pixels times samples in reference mode."
+    )
     max_comparison_rays: int = Field(
         DEFAULT_LIMITS.max_comparison_rays, ge=1, description="Rays of a comparison."
     )
@@ -87,6 +90,7 @@ class ApiSettings(BaseSettings):
             max_triangles=self.max_triangles,
             max_image_pixels=self.max_image_pixels,
             max_image_side=self.max_image_side,
+            max_paths=self.max_paths,
             max_comparison_rays=self.max_comparison_rays,
         )
 

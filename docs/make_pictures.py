@@ -1,4 +1,7 @@
-"""Draws the pictures of README.md and docs/how_it_works.md: `python -m docs.make_pictures`."""
+"""Draws the pictures of README.md, docs/how_it_works.md and docs/reference_mode.md.
+
+Run from the root of the repository: python -m docs.make_pictures
+"""
 
 from pathlib import Path
 
@@ -43,6 +46,16 @@ def environments() -> None:
     _save("environments", np.hstack(pictures))
 
 
+def reference() -> None:
+    """The same frame in both modes, hybrid on the left."""
+    scene = raysvc.load("builtin:shiny")
+    studio = raysvc.load_environment("builtin:studio")
+    view = {"gltf_camera": "default", "width": 400, "height": 225, "aperture_radius": 0.04}
+    modes = {"aa": "full", "bounces": 3}, {"mode": "reference", "samples": 1024}
+    frames = [raysvc.render(scene, studio, view, settings) for settings in modes]
+    _save("reference", np.hstack([frame.display()[..., :3] for frame in frames]))
+
+
 def _save(name: str, picture: np.ndarray) -> None:
     Image.fromarray(picture).save(IMAGES / f"{name}.png", optimize=True)
 
@@ -51,3 +64,4 @@ if __name__ == "__main__":
     hero()
     layers()
     environments()
+    reference()

@@ -38,6 +38,8 @@ class Limits:
     """A picture to render."""
     max_image_side: int = 8192
     """Width or height of a picture to render."""
+    max_paths: int = 1 << 32
+    """Pixels times samples of a picture in reference mode."""
     max_comparison_rays: int = 10_000_000
     """Rays with which structures are compared."""
     max_brute_tests: int = 200_000_000

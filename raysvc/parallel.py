@@ -87,11 +87,12 @@ def for_chunks(
     work: Callable[[int, int], None],
     control: Control,
     stage: str = "",
+    part: tuple[float, float] = (0.0, 1.0),
 ) -> None:
     """Call `work(begin, end)` for consecutive ranges of at most `chunk` items that cover 0..count.
 
     Chunks run on `control.threads` threads in any order; the first exception stops the rest and is
-    raised.
+    raised. They are the `part` of their stage, from one fraction of it to another.
     """
     starts = range(0, count, chunk)
     done = 0
@@ -104,7 +105,7 @@ def for_chunks(
         if stage:
             with lock:
                 done += 1
-                fraction = done / len(starts)
+                fraction = part[0] + (part[1] - part[0]) * done / len(starts)
             control.progress(stage, fraction)
 
     if control.threads == 1 or len(starts) <= 1:

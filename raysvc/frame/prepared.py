@@ -3,11 +3,15 @@
 import threading
 import time
 import weakref
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from raysvc.frame.settings import Settings
 from raysvc.lighting.image_light import ImageLight
+from raysvc.reference.emitters import Emitters
+from raysvc.reference.environment import EnvironmentLight
+from raysvc.reference.paths import Lights
 from raysvc.scene import Environment, Scene
 from raysvc.shading.scene_tables import SceneTables
 from raysvc.tracing.world import World
@@ -28,24 +32,27 @@ class _Kept(Generic[Owner, Made]):
             weakref.WeakKeyDictionary()
         )
 
-    def find(self, owner: Owner, key: object) -> Made | None:
+    def get(self, owner: Owner, key: object, make: Callable[[], Made]) -> tuple[Made, bool]:
+        """Return what was made earlier and True, or make it."""
         with self._lock:
             made = self._made.get(owner, {})
             if key in made:
                 made[key] = made.pop(key)  # most recently used last
-            return made.get(key)
-
-    def keep(self, owner: Owner, key: object, thing: Made) -> None:
+                return made[key], True
+        thing = make()
         with self._lock:
             made = self._made.setdefault(owner, {})
             made[key] = thing
             while len(made) > self.KEYS:
                 del made[next(iter(made))]
+        return thing, False
 
 
 _TABLES: _Kept[Scene, SceneTables] = _Kept()
 _WORLDS: _Kept[Scene, World] = _Kept()
 _LIGHTS: _Kept[Environment, ImageLight] = _Kept()
+_SKIES: _Kept[Environment, EnvironmentLight] = _Kept()
+_EMITTERS: _Kept[Scene, Emitters] = _Kept()
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +63,8 @@ class Prepared:
     tables: SceneTables
     world: World
     light: ImageLight
+    path_lights: Lights | None
+    """What paths look for; only in reference mode."""
     seconds: float
     """What making it took."""
     cached: bool
@@ -67,18 +76,20 @@ def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepa
     environment."""
     start = time.perf_counter()
     structure, trees = settings.structure, settings.trees
-    yaw_deg, strength = settings.environment_yaw_deg, settings.environment_strength
-    tables = _TABLES.find(scene, None)
-    world = _WORLDS.find(scene, (structure, trees))
-    light = _LIGHTS.find(environment, (yaw_deg, strength))
-    cached = tables is not None and world is not None and light is not None
-    if tables is None:
-        tables = SceneTables.of(scene)
-        _TABLES.keep(scene, None, tables)
-    if world is None:
-        world = World(scene, tables, structure, trees)
-        _WORLDS.keep(scene, (structure, trees), world)
-    if light is None:
-        light = ImageLight(environment, yaw_deg, strength)
-        _LIGHTS.keep(environment, (yaw_deg, strength), light)
-    return Prepared(scene, tables, world, light, time.perf_counter() - start, cached)
+    turned = settings.environment_yaw_deg, settings.environment_strength
+    tables, had_tables = _TABLES.get(scene, None, lambda: SceneTables.of(scene))
+    world, had_world = _WORLDS.get(
+        scene, (structure, trees), lambda: World(scene, tables, structure, trees)
+    )
+    light, had_light = _LIGHTS.get(environment, turned, lambda: ImageLight(environment, *turned))
+    cached = had_tables and had_world and had_light
+    path_lights = None
+    if settings.mode == "reference":
+        sky, had_sky = _SKIES.get(
+            environment, turned, lambda: EnvironmentLight(environment, *turned)
+        )
+        emitters, had_emitters = _EMITTERS.get(scene, None, lambda: Emitters(scene, tables))
+        path_lights = Lights(sky, emitters, scene.lights)
+        cached = cached and had_sky and had_emitters
+    seconds = time.perf_counter() - start
+    return Prepared(scene, tables, world, light, path_lights, seconds, cached)

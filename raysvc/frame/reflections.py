@@ -112,7 +112,7 @@ class Reflections:
             how many rays have led here, this one included
         """
         reflection = Reflection.none(surface.size)
-        if bounce > self._settings.bounces:
+        if bounce > self._settings.bounce_limit:
             return reflection
         gloss = glossiness(surface.roughness)
         passed = albedo * gloss[:, None]

@@ -12,7 +12,7 @@ from raysvc.frame.frame import Frame
 from raysvc.frame.prepared import prepare
 from raysvc.frame.radiance import Illumination
 from raysvc.frame.reflections import Reflections
-from raysvc.frame.settings import Settings, checked, settings_from
+from raysvc.frame.settings import Settings, check_cost, checked, settings_from
 from raysvc.frame.stages import STAGES
 from raysvc.frame.statistics import Ledger, Statistics
 from raysvc.frame.view import View, camera_from
@@ -52,12 +52,13 @@ def render(
     The same arguments give the same bytes, whatever the number of threads. Tables and structures
     of a scene and environment are kept as long as those objects live, so a second frame is faster.
 
-    Raises InvalidSetting, Unavailable, Cancelled, DeadlineExceeded.
+    Raises InvalidSetting, LimitExceeded, Unavailable, Cancelled, DeadlineExceeded.
     """
     settings = settings_from(settings)
     camera = {} if camera is None else camera
     view = camera if isinstance(camera, View) else checked(View, camera, "camera")
     resolved = camera_from(view, scene, limits)
+    check_cost(settings, resolved, limits)
     control = (control or Control()).limited(settings.threads, settings.deadline_s)
     if environment is None:
         environment = default_environment()
@@ -74,7 +75,7 @@ def render(
     )
     reflections = Reflections(prepared, settings, illumination, resolved.footprint_spread, ledger)
     draft = Draft(prepared, resolved, settings, control, ledger, illumination, reflections)
-    for name, stage in STAGES:
+    for name, stage in STAGES[settings.mode]:
         control.check()
         with ledger.stage(name):
             stage(draft)

@@ -6,7 +6,9 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from raysvc.errors import InvalidSetting
+from raysvc.errors import InvalidSetting, LimitExceeded
+from raysvc.limits import Limits
+from raysvc.scene import Camera
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -22,9 +24,13 @@ class Settings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    mode: Literal["hybrid"] = Field(
+    mode: Literal["hybrid", "reference"] = Field(
         "hybrid",
-        description="`hybrid`: rasterise what is seen, trace reflections, shadows and occlusion.",
+        description="`hybrid`: rasterise what is seen, trace reflections, shadows and occlusion. "
+        "`reference`: follow random paths of light, as the truth to measure by.",
+    )
+    samples: int = Field(
+        64, ge=1, le=65536, description="Paths per pixel in reference mode; hybrid takes none."
     )
     structure: Literal["auto", "embree", "bvh", "bvh_stackless", "kd", "bih", "brute"] = Field(
         "auto",
@@ -38,7 +44,13 @@ class Settings(BaseModel):
         description="Shade what reflected rays meet at once, or material by material (and, with one"
         " tree per material, tree by tree): the same picture.",
     )
-    bounces: int = Field(1, ge=0, le=8, description="How many times a reflection is followed.")
+    bounces: int | None = Field(
+        None,
+        ge=0,
+        le=8,
+        description="How many times a reflection, or in reference mode a path, is followed on from "
+        "what it has met; 1 by default, and 8 in reference mode.",
+    )
     texture_filter: Literal["mip", "bilinear", "nearest"] = Field(
         "mip",
         description="How textures are read: `mip` interpolates between prefiltered sizes.",
@@ -103,6 +115,13 @@ class Settings(BaseModel):
         None, gt=0, le=86400, description="Give up after so many seconds."
     )
 
+    @property
+    def bounce_limit(self) -> int:
+        """`bounces`, or the mode's default."""
+        if self.bounces is not None:
+            return self.bounces
+        return 1 if self.mode == "hybrid" else 8
+
 
 def settings_from(values: Mapping[str, Any] | Settings | None) -> Settings:
     """Return checked settings. Raises InvalidSetting naming the first field that is wrong, and its
@@ -110,6 +129,16 @@ def settings_from(values: Mapping[str, Any] | Settings | None) -> Settings:
     if isinstance(values, Settings):
         return values
     return checked(Settings, {} if values is None else values, "settings")
+
+
+def check_cost(settings: Settings, camera: Camera, limits: Limits) -> None:
+    """Raise LimitExceeded if a picture would take more paths than the limits allow."""
+    pixels = camera.width * camera.height
+    if settings.mode == "reference" and pixels * settings.samples > limits.max_paths:
+        raise LimitExceeded(
+            f"width x height x samples must be at most {limits.max_paths:,} paths",
+            field="settings.samples",
+        )
 
 
 def checked(model: type[Model], values: object, where: str) -> Model:

@@ -1,6 +1,7 @@
 """The stages of a frame, each a function from a draft of it to what it adds.
 
-    rasterise -> layers -> shadows -> occlusion -> reflections -> light -> edges -> lens
+    hybrid      rasterise -> layers -> shadows -> occlusion -> reflections -> light -> edges -> lens
+    reference   rasterise -> layers -> paths
 
 Every stage is timed by the caller. Within a stage, chunks of points run on the frame's threads;
 progress, cancelling and the deadline are looked at between them.
@@ -16,6 +17,7 @@ from raysvc import records
 from raysvc.frame.antialias import antialias
 from raysvc.frame.background import composite
 from raysvc.frame.draft import Draft
+from raysvc.frame.paths import paths
 from raysvc.frame.points import front
 from raysvc.frame.primary import CHUNK, points_of, rasterised
 from raysvc.frame.reflections import Reflection, leaving
@@ -242,13 +244,21 @@ def defocus(draft: Draft) -> None:
     draft.beauty = spread(draft.beauty, coc, draft.control, draft.ledger.warnings)
 
 
-STAGES: Final = (
-    ("rasterise", rasterise),
-    ("layers", write_layers),
-    ("shadows", shadows),
-    ("occlusion", occlusion),
-    ("reflections", reflections),
-    ("light", light),
-    ("edges", antialias),
-    ("lens", defocus),
-)
+STAGES: Final = {
+    "hybrid": (
+        ("rasterise", rasterise),
+        ("layers", write_layers),
+        ("shadows", shadows),
+        ("occlusion", occlusion),
+        ("reflections", reflections),
+        ("light", light),
+        ("edges", antialias),
+        ("lens", defocus),
+    ),
+    "reference": (
+        ("rasterise", rasterise),
+        ("layers", write_layers),
+        ("paths", paths),
+    ),
+}
+"""What is done in each mode, in order."""

@@ -13,12 +13,14 @@ VIEW = View(eye=(0.0, 0.4, 3.0), target=(0.0, 0.0, 0.0), width=32, height=18, ap
 
 
 def warm_up(control: Control | None = None) -> None:
-    """Render a small picture that goes through every stage and every kind of material."""
-    render(specimen(), camera=VIEW, control=control)
+    """Render small pictures that go through every stage and every kind of material."""
+    scene = specimen()
+    render(scene, camera=VIEW, control=control)
+    render(scene, camera=VIEW, settings={"mode": "reference", "samples": 1}, control=control)
 
 
 def specimen() -> Scene:
-    """A varnished glass ball with all textures, before a masked and a blended pane, and a lamp."""
+    """A shining, varnished glass ball with all textures, two panes before it, and a lamp."""
     texels = np.full((4, 4, 4), 200, np.uint8)
     texels[::2, ::2, 3] = 0
     ref = TextureRef(0)
@@ -33,6 +35,7 @@ def specimen() -> Scene:
         clearcoat_texture=ref,
         clearcoat_roughness_texture=ref,
         clearcoat_normal_texture=ref,
+        emissive=(1.0, 1.0, 1.0),
         roughness=0.3,
         transmission=0.5,
         solid=True,

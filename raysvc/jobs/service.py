@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from raysvc.compare.result import Comparison
 from raysvc.compare.settings import candidates, check_size
 from raysvc.errors import Gone, NotFinished, NotFound
+from raysvc.frame.settings import check_cost
 from raysvc.frame.view import camera_from
 from raysvc.jobs.kinds import environment_kind, scene_kind
 from raysvc.jobs.lru import LeastRecentlyUsed
@@ -97,7 +98,8 @@ class RenderService:
 
         Raises InvalidInput, NotFound, QueueFull.
         """
-        camera_from(request.camera, self.scenes.get(request.scene), self.limits)
+        camera = camera_from(request.camera, self.scenes.get(request.scene), self.limits)
+        check_cost(request.settings, camera, self.limits)
         if request.environment is not None:
             self.environments.record(request.environment)
         job = Job(secrets.token_hex(16), request)

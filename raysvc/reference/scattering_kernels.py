@@ -13,6 +13,7 @@ import math
 
 import numpy as np
 
+from raysvc.geometry.basis_kernels import basis
 from raysvc.geometry.vector_kernels import Vec3, dot, plus, row3, scaled, unit_or
 from raysvc.jit import inlined, kernel
 from raysvc.lighting.albedo_kernels import specular_terms
@@ -27,7 +28,6 @@ from raysvc.lighting.brdf import (
 )
 from raysvc.reference.weight_kernels import mis_weight
 from raysvc.shading.surface import Surface
-from raysvc.tracing.occlusion_kernels import basis
 from raysvc.types import Doubles, Floats
 
 RED, GREEN, BLUE = 0.2126, 0.7152, 0.0722

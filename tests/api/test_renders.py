@@ -168,7 +168,8 @@ def test_a_picture_that_made_room_is_gone(make_client: MakeClient) -> None:
         ({"camera": {"eye": [0, 0, 0], "target": [0, 0, 0]}}, 422, "camera.eye"),
         ({"camera": [1]}, 422, "camera"),
         ({"settings": {"bounces": 9}}, 422, "settings.bounces"),
-        ({"settings": {"mode": "reference"}}, 422, "settings.mode"),
+        ({"settings": {"mode": "fast"}}, 422, "settings.mode"),
+        ({"settings": {"mode": "reference", "samples": 0}}, 422, "settings.samples"),
         ({"settings": {"colour": "red"}}, 422, "settings.colour"),
         ({"setings": {}}, 422, "setings"),
     ],
@@ -178,6 +179,17 @@ def test_what_is_wrong_is_named(
 ) -> None:
     response = client.post("/v1/renders", json={**SMALL, **change})
     assert (response.status_code, response.json()["field"]) == (status, field)
+
+
+def test_the_limit_of_paths_is_the_services(make_client: MakeClient) -> None:
+    client = make_client(max_paths=8 * 4 * 16)
+    statuses = {}
+    for samples in (16, 17):
+        settings = {"mode": "reference", "samples": samples}
+        response = client.post("/v1/renders", json={**SMALL, "settings": settings})
+        statuses[samples] = response.status_code
+    assert statuses == {16: 202, 17: 413}
+    assert response.json()["field"] == "settings.samples"
 
 
 def test_an_unknown_render_is_not_found(client: TestClient) -> None:

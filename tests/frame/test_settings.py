@@ -16,7 +16,9 @@ from tests.frame.subjects import VIEW, still_life
         ({"bounces": 9}, "settings.bounces"),
         ({"bounces": -1}, "settings.bounces"),
         ({"lens": "gather"}, "settings.lens"),
-        ({"mode": "reference"}, "settings.mode"),
+        ({"mode": "fast"}, "settings.mode"),
+        ({"samples": 0}, "settings.samples"),
+        ({"samples": 65537}, "settings.samples"),
         ({"exposure_stops": float("nan")}, "settings.exposure_stops"),
         ({"environment_strength": float("inf")}, "settings.environment_strength"),
         ({"background": [1.0, 2.0]}, "settings.background"),
@@ -41,7 +43,10 @@ def test_what_is_no_mapping_is_refused_by_name(given: object) -> None:
 
 def test_every_default_is_what_the_specification_says_or_nearest_to_it() -> None:
     settings = Settings()
-    assert (settings.bounces, settings.occlusion_samples, settings.aa_samples) == (1, 16, 8)
+    assert (settings.mode, settings.samples) == ("hybrid", 64)
+    assert (settings.occlusion_samples, settings.aa_samples) == (16, 8)
+    assert (settings.bounce_limit, Settings(mode="reference").bounce_limit) == (1, 8)
+    assert Settings(mode="reference", bounces=0).bounce_limit == 0
     assert (settings.aa, settings.lens, settings.ibl, settings.tone_map) == (
         "edges",
         "spread",
@@ -52,6 +57,7 @@ def test_every_default_is_what_the_specification_says_or_nearest_to_it() -> None
 
 # What each setting changes in the still life. Settings with one value have nothing to change.
 CHANGES: dict[str, object] = {
+    "mode": "reference",
     "bounces": 0,
     "texture_filter": "nearest",
     "shadows": False,
@@ -73,8 +79,8 @@ UNCHANGED: dict[str, object] = {
     "trees": "per_material",
     "passes": "multi",
 }
-SINGLE_VALUED = {"mode", "ibl", "ibl_order", "lens_order"}
-TESTED_ELSEWHERE = {"deadline_s"}
+SINGLE_VALUED = {"ibl", "ibl_order", "lens_order"}
+TESTED_ELSEWHERE = {"deadline_s", "samples"}
 
 
 def test_the_tables_name_every_setting() -> None:

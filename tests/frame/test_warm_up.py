@@ -1,5 +1,7 @@
 """Warming up goes through everything that a frame may need."""
 
+import pytest
+
 import raysvc
 from raysvc.frame.warm_up import VIEW, specimen
 from tests.frame.subjects import still_life
@@ -12,11 +14,14 @@ def test_the_specimen_has_every_kind_of_material_and_slot() -> None:
     assert scene.materials[0].solid and scene.materials[0].clearcoat > 0
 
 
-def test_a_frame_after_the_specimen_compiles_nothing_new() -> None:
+@pytest.mark.parametrize("mode", ["hybrid", "reference"])
+def test_a_frame_after_the_specimen_compiles_nothing_new(mode: str) -> None:
     """Kernels are specialised to types; the specimen has met those of another scene."""
-    raysvc.render(specimen(), camera=VIEW)
+    settings = {"mode": mode, "samples": 1}
+    raysvc.render(specimen(), camera=VIEW, settings=settings)
     before = compiled()
-    raysvc.render(still_life(), camera={"width": 32, "height": 18, "aperture_radius": 0.05})
+    view = {"width": 32, "height": 18, "aperture_radius": 0.05}
+    raysvc.render(still_life(), camera=view, settings=settings)
     assert compiled() == before
 
 
@@ -26,6 +31,12 @@ def compiled() -> dict[str, int]:
     from raysvc.geometry import triangle_kernels
     from raysvc.lens import spread_kernels
     from raysvc.lighting import clearcoat, direct_kernels, image_kernels
+    from raysvc.reference import (
+        environment_kernels,
+        scattering_kernels,
+        sequence_kernels,
+        weight_kernels,
+    )
     from raysvc.shading import (
         coat_kernels,
         coverage_kernels,
@@ -49,6 +60,10 @@ def compiled() -> dict[str, int]:
         texture_kernels,
         occlusion_kernels,
         offset_kernels,
+        environment_kernels,
+        scattering_kernels,
+        sequence_kernels,
+        weight_kernels,
     )
     return {
         f"{module.__name__}.{name}": len(value.signatures)

@@ -38,6 +38,11 @@ SUBJECTS = {
         {"width": 54, "height": 54, "gltf_camera": "default"},
         settings={"environment_strength": 0.05},
     ),
+    "cornell_by_paths": Subject(
+        BUILTIN_SCENES["cornell"],
+        {"width": 54, "height": 54, "gltf_camera": "default", "aperture_radius": 0.01},
+        settings={"mode": "reference", "samples": 64, "environment_strength": 0.05},
+    ),
     "still_life": Subject(
         still_life,
         WIDE | {"eye": [0.5, 2.0, 5.0], "target": [0.0, 0.6, 0.0]},
