@@ -54,14 +54,14 @@ def test_stages_are_those_of_a_frame_and_take_about_what_it_takes(measured, corn
 def test_every_series_varies_one_thing(measured, cornell):
     count = len(cornell.triangles)
     varied = {
-        "stages": [(16, 12, count, 1, 3)],
+        "stages": [(16, 12, count, None, 3)],
         "bounces": [(16, 12, count, bounces, 3) for bounces in BOUNCES],
         "resolution": [
-            (width, height, count, 1, 3)
+            (width, height, count, None, 3)
             for width, height in ((4, 3), (8, 6), (12, 9), (16, 12), (24, 18))
         ],
-        "triangles": [(16, 12, n * n * count, 1, 3) for n in range(1, 9)],
-        "threads": [(16, 12, count, 1, threads) for threads in (1, 2, 3)],
+        "triangles": [(16, 12, n * n * count, None, 3) for n in range(1, 9)],
+        "threads": [(16, 12, count, None, threads) for threads in (1, 2, 3)],
     }
     assert set(varied) == set(SERIES)
     for series, expected in varied.items():
