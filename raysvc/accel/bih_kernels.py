@@ -15,7 +15,7 @@ from raysvc.accel.bvh_kernels import NONE
 from raysvc.accel.kd_kernels import LESS, MORE
 from raysvc.accel.sah_kernels import MAX_DEPTH
 from raysvc.geometry.watertight_kernels import distance_to, shear_of
-from raysvc.jit import inlined, kernel
+from raysvc.jit import inlined_allocating, kernel
 from raysvc.types import Doubles, Floats, Ints
 
 
@@ -32,7 +32,7 @@ class BihArrays(NamedTuple):
     box: Doubles
 
 
-@inlined
+@inlined_allocating
 def _trace(
     origins: Floats,
     directions: Floats,

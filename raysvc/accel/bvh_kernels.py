@@ -14,7 +14,7 @@ import numpy as np
 
 from raysvc.accel.sah_kernels import MAX_DEPTH
 from raysvc.geometry.watertight_kernels import distance_to, shear_of
-from raysvc.jit import inlined, kernel
+from raysvc.jit import inlined_allocating, kernel
 from raysvc.types import Floats, Ints
 
 LEAF = 32
@@ -42,7 +42,7 @@ class BvhArrays(NamedTuple):
     root: int
 
 
-@inlined
+@inlined_allocating
 def _trace(
     origins: Floats,
     directions: Floats,

@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from raysvc.accel.clip_kernels import POLYGON, clip_bounds
-from raysvc.jit import inlined, kernel
+from raysvc.jit import inlined, inlined_allocating, kernel
 from raysvc.types import Doubles, Floats, Ints, Longs
 
 Array = TypeVar("Array", Floats, Ints)
@@ -78,7 +78,7 @@ def _best_of_bins(
     return best, best_axis, best_plane
 
 
-@inlined
+@inlined_allocating
 def _best_of_all(
     bounds: Floats,
     start: int,
@@ -136,7 +136,7 @@ def _best_of_all(
     return best, best_axis, best_plane, flat_left
 
 
-@inlined
+@inlined_allocating
 def _grown(array: Array, length: int) -> Array:
     """A longer array with the same beginning."""
     longer = np.empty(length, array.dtype)

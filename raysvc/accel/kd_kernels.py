@@ -11,7 +11,7 @@ import numpy as np
 from raysvc.accel.bvh_kernels import NONE
 from raysvc.accel.kd_build_kernels import LEAF, MAX_DEPTH
 from raysvc.geometry.watertight_kernels import distance_to, shear_of
-from raysvc.jit import inlined, kernel
+from raysvc.jit import inlined_allocating, kernel
 from raysvc.types import Doubles, Floats, Ints
 
 MAILBOXES = 16
@@ -33,7 +33,7 @@ class KdArrays(NamedTuple):
     box: Doubles
 
 
-@inlined
+@inlined_allocating
 def _trace(
     origins: Floats,
     directions: Floats,
