@@ -154,8 +154,6 @@ def _leaving(
             hits.triangle[met],
             hits.barycentric[met],
             rays.directions[met],
-            np.zeros(len(met), np.float32),
-            "nearest",
         )
 
     for _ in range(MOST_ROUNDS):

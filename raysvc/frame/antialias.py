@@ -8,6 +8,7 @@ Full anti-aliasing shades all.
 
 import numpy as np
 
+from raysvc import records
 from raysvc.accel.base import Hits
 from raysvc.frame.background import composite
 from raysvc.frame.draft import Draft
@@ -69,6 +70,8 @@ def _sampled(draft: Draft, pixel: Longs) -> Floats:
     draft.ledger.count("primary", len(every))
     row, directions, hits = traced(draft.prepared, draft.camera, every, within)
 
+    # Where samples share a shading it stands for the pixel, else for their part of it
+    pixels_per_step = samples**-0.5 if draft.settings.aa == "full" else 1.0
     radiance = np.empty((len(row), 3), np.float32)
     alpha = np.empty(len(row), np.float32)
     new = np.arange(len(row))
@@ -88,8 +91,9 @@ def _sampled(draft: Draft, pixel: Longs) -> Floats:
         directions[chosen],
         Hits(hits.t[chosen], hits.triangle[chosen], hits.barycentric[chosen]),
         draft.settings.texture_filter,
+        pixels_per_step,
     )
-    radiance[new] = _shaded(draft, points)[group]
+    radiance[new] = _shaded(draft, points, pixels_per_step)[group]
     alpha[new] = points.surface.alpha[group]
 
     rgba = composite(draft.prepared, draft.camera, draft.settings, every, row, radiance, alpha)
@@ -97,16 +101,16 @@ def _sampled(draft: Draft, pixel: Longs) -> Floats:
     return mean
 
 
-def _shaded(draft: Draft, points: Points) -> Floats:
+def _shaded(draft: Draft, points: Points, pixels_per_step: float) -> Floats:
     """(N, 3) radiance of points beside pixel centres."""
     surface, illumination = points.surface, draft.illumination
     lit = illumination.lit(
         surface, points.footprint, illumination.direct(surface), _visible_at(draft, points)
     )
-    return leaving(lit, _reflected_at(draft, points, lit))
+    return leaving(lit, _reflected_at(draft, points, lit, pixels_per_step))
 
 
-def _reflected_at(draft: Draft, points: Points, lit: Lit) -> Reflection:
+def _reflected_at(draft: Draft, points: Points, lit: Lit, pixels_per_step: float) -> Reflection:
     """What samples beside pixel centres mirror: rough ones take their neighbours', others trace."""
     surface = points.surface
     radiance, share = draft.gloss.gathered(
@@ -117,7 +121,8 @@ def _reflected_at(draft: Draft, points: Points, lit: Lit) -> Reflection:
         radiance=radiance, share=np.where(known, share, np.float32(0.0))
     )
     alone = np.flatnonzero(~known)
-    traced = draft.reflections.of(surface.chosen(alone), points.footprint[alone], lit.albedo[alone])
+    seen = points.seen(draft.camera, 0, surface.size, pixels_per_step)
+    traced = draft.reflections.of(records.chosen(seen, alone), lit.albedo[alone])
     reflection.radiance[alone] = traced.radiance
     reflection.share[alone] = traced.share
     return reflection

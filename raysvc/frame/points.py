@@ -1,11 +1,29 @@
 """The points that pixels show, from the camera's point of view."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from raysvc import records
+from raysvc.scene import Camera
+from raysvc.shading.footprint import Footprint
 from raysvc.shading.surface import Surface
+from raysvc.tracing.differentials import primary_differentials
+from raysvc.tracing.ray_differentials import RayDifferentials
 from raysvc.types import Floats, Ints, Longs
+
+
+class Seen(NamedTuple):
+    """N points as the rays that show them know them."""
+
+    surface: Surface
+    triangle: Ints
+    """(N,) int32."""
+    footprint: Footprint
+    """What pixels cover there."""
+    arriving: RayDifferentials
+    """Of the rays."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -18,9 +36,19 @@ class Points:
     """(N,) int32."""
     depth: Floats
     """(N,) float32 metres along the view axis."""
-    footprint: Floats
-    """(N,) float32 metres: width across the ray of what a pixel sees there."""
+    footprint: Footprint
+    """Of N points: what their pixels cover there."""
     surface: Surface
+
+    def seen(self, camera: Camera, begin: int, end: int, pixels_per_step: float = 1.0) -> Seen:
+        """Return points begin..end with differentials of the camera's rays to them."""
+        surface = self.surface.rows(begin, end)
+        return Seen(
+            surface,
+            self.triangle[begin:end],
+            records.rows(self.footprint, begin, end),
+            primary_differentials(camera, -surface.to_viewer, pixels_per_step),
+        )
 
 
 def front(points: Points, pixels: int) -> Longs:

@@ -3,6 +3,7 @@ few."""
 
 import numpy as np
 
+from raysvc import records
 from raysvc.accel.base import Hits, Rays, Triangles, hits_on
 from raysvc.frame.points import Points
 from raysvc.frame.prepared import Prepared
@@ -11,6 +12,7 @@ from raysvc.raster.rasterise import Raster
 from raysvc.raster.spans import Fragments
 from raysvc.scene import Camera
 from raysvc.shading.surface import Surface
+from raysvc.tracing.differentials import footprint_at, primary_differentials
 from raysvc.types import Bools, Doubles, Floats, Ints, Longs
 
 CHUNK = 1 << 14
@@ -78,7 +80,7 @@ def points_of(
         pixel,
         triangle,
         np.concatenate([part.depth for part in parts]),
-        np.concatenate([part.footprint for part in parts]),
+        records.joined([part.footprint for part in parts]),
         Surface.joined([part.surface for part in parts]),
     )
 
@@ -104,14 +106,15 @@ def evaluated(
     directions: Floats,
     hits: Hits,
     texture_filter: str,
+    pixels_per_step: float = 1.0,
 ) -> Points:
-    """Evaluate N hits of rays through pixels (N,) in directions (N, 3)."""
+    """Evaluate N hits of rays through pixels (N,) in directions (N, 3).
+
+    Each stands for `pixels_per_step` of a pixel along either axis, as in `primary_differentials`.
+    """
     depth = hits.t * (directions @ camera.forward.astype(np.float32))
-    metres = np.float32(camera.metres_per_pixel_at_unit_depth)
-    footprint = (
-        depth * metres if camera.projection == "perspective" else np.full_like(depth, metres)
-    )
-    surface = prepared.tables.surface(
-        hits.triangle, hits.barycentric, directions, footprint, texture_filter
-    )
+    differentials = primary_differentials(camera, directions, pixels_per_step)
+    tables = prepared.tables
+    footprint = footprint_at(tables.geometry, hits.triangle, hits.t, directions, differentials)
+    surface = tables.surface(hits.triangle, hits.barycentric, directions, footprint, texture_filter)
     return Points(pixel, hits.triangle, depth, footprint, surface)

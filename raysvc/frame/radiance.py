@@ -20,6 +20,7 @@ from raysvc.lighting.clearcoat import Varnish
 from raysvc.lighting.direct import arriving, reflected
 from raysvc.lighting.sun import SunLight
 from raysvc.scene import PunctualLight
+from raysvc.shading.footprint import Footprint
 from raysvc.shading.surface import Surface
 from raysvc.tracing.occlusion import pattern, visibility
 from raysvc.tracing.reflection import rays_from
@@ -35,8 +36,7 @@ class Lit(NamedTuple):
     """N points with all light but what they mirror of the scene; linear Rec.709, float32."""
 
     surface: Surface
-    footprint: Floats
-    """(N,) metres: width across the ray of what is seen."""
+    footprint: Footprint
     visible: Floats
     """(N,) part of the hemisphere that is free."""
     radiance: Floats
@@ -97,7 +97,7 @@ class Illumination:
         self._ledger.count("occlusion", surface.size * len(samples))
         return visibility(self._prepared.world, surface, tile, samples, self._radius_m)
 
-    def lit(self, surface: Surface, footprint: Floats, direct: Floats, visible: Floats) -> Lit:
+    def lit(self, surface: Surface, footprint: Footprint, direct: Floats, visible: Floats) -> Lit:
         """Put together what lights N points: `direct` (N, 3), `visible` (N,) of the environment."""
         light, samples = self._prepared.light, self._settings.ibl_lobe_samples
         visible = visible * surface.occlusion
@@ -114,7 +114,7 @@ class Illumination:
         radiance += direct
         return Lit(surface, footprint, visible, radiance, lobe, albedo)
 
-    def lit_in_mirror(self, surface: Surface, footprint: Floats) -> Lit:
+    def lit_in_mirror(self, surface: Surface, footprint: Footprint) -> Lit:
         """Light N points that a reflection shows."""
         tile = np.zeros(surface.size, np.int32)
         return self.lit(

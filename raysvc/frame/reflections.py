@@ -14,8 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from raysvc import records
 from raysvc.accel.base import Hits
 from raysvc.frame.passes import ORGANISATIONS
+from raysvc.frame.points import Seen
 from raysvc.frame.prepared import Prepared
 from raysvc.frame.radiance import Illumination, Lit, specular_occlusion
 from raysvc.frame.settings import Settings
@@ -23,6 +25,7 @@ from raysvc.frame.statistics import Ledger
 from raysvc.lighting.lobe_kernels import lobe_rays
 from raysvc.lighting.sun import LUMINANCE
 from raysvc.shading.surface import Surface
+from raysvc.tracing.differentials import footprint_at, pixel_angle, reflected
 from raysvc.tracing.reflection import mirror_rays, rays_from
 from raysvc.types import Doubles, Floats, Ints, Longs
 
@@ -30,8 +33,9 @@ GLOSSY = 0.4
 """Roughness up to which rays alone say what a surface reflects of the scene."""
 MATT = 0.75
 """Roughness from which they say nothing, and occlusion only darkens the environment's lobe."""
-WIDENING = 0.5
-"""Of the footprint with distance, as a part of the lobe's half width in radians."""
+WIDENING = 0.29
+"""Tangent of half the angle of the cone that stands for a lobe when what it shows is filtered, as
+a part of the lobe's half width in radians."""
 BLURRED = 0.25
 """Of a lobe's half width: by how much it widens the highlights that it shows (compare Jendersie and
 Grosch 2019, "Microfacet Model Regularization for Robust Light Transport")."""
@@ -79,18 +83,15 @@ class Reflections:
         prepared: Prepared,
         settings: Settings,
         illumination: Illumination,
-        spread: float,
         ledger: Ledger,
     ) -> None:
-        """`spread`: how fast a pixel's footprint widens along its ray, in metres per metre."""
         self._prepared, self._settings, self._ledger = prepared, settings, ledger
-        self._illumination, self._spread = illumination, spread
+        self._illumination = illumination
         self._organise = ORGANISATIONS[settings.passes, settings.trees]
 
     def of(
         self,
-        surface: Surface,
-        footprint: Floats,
+        seen: Seen,
         albedo: Floats,
         samples: Doubles | None = None,
         throughput: Floats | None = None,
@@ -100,8 +101,8 @@ class Reflections:
 
         Parameters
         ----------
-        surface, footprint
-            the points, and the width (N,) in metres of what is seen of each
+        seen
+            the points
         albedo
             (N, 3) of the specular lobe
         samples
@@ -111,6 +112,7 @@ class Reflections:
         bounce
             how many rays have led here, this one included
         """
+        surface = seen.surface
         reflection = Reflection.none(surface.size)
         if bounce > self._settings.bounce_limit:
             return reflection
@@ -133,22 +135,37 @@ class Reflections:
             rays = rays_from(mirror, directions, np.full(len(shiny), np.inf, np.float32))
         self._ledger.count("reflection", len(shiny))
 
-        # The footprint grows with the distance, more where the mirror is rough and its lobe wide.
-        widening = self._spread + WIDENING * half_width
+        tables = self._prepared.tables
+        differentials = reflected(
+            tables.geometry,
+            seen.triangle[shiny],
+            mirror,
+            rays.directions,
+            records.chosen(seen.arriving, shiny),
+            records.chosen(seen.footprint, shiny),
+            WIDENING * half_width,
+        )
 
         def shade(index: Longs, hits: Hits) -> Lit:
-            seen_footprint = footprint[shiny[index]] + hits.t * widening[index]
-            seen = self._prepared.tables.surface(
+            directions = rays.directions[index]
+            footprint = footprint_at(
+                tables.geometry,
+                hits.triangle,
+                hits.t,
+                directions,
+                records.chosen(differentials, index),
+            )
+            met = tables.surface(
                 hits.triangle,
                 hits.barycentric,
-                rays.directions[index],
-                seen_footprint,
+                directions,
+                footprint,
                 self._settings.texture_filter,
             )
             # What is seen through a wide lobe is seen from many sides: its highlights widen.
-            alpha2 = seen.roughness**4 + (BLURRED * half_width[index]) ** 2
-            seen = seen._replace(roughness=np.minimum(np.sqrt(np.sqrt(alpha2)), np.float32(1.0)))
-            return self._illumination.lit_in_mirror(seen, seen_footprint)
+            alpha2 = met.roughness**4 + (BLURRED * half_width[index]) ** 2
+            met = met._replace(roughness=np.minimum(np.sqrt(np.sqrt(alpha2)), np.float32(1.0)))
+            return self._illumination.lit_in_mirror(met, footprint)
 
         hits, met, lit = self._organise(
             self._prepared.world,
@@ -158,32 +175,30 @@ class Reflections:
             self._ledger,
         )
         from_ = shiny[met]
-        deeper = self.of(
-            lit.surface, lit.footprint, lit.albedo, None, passed[from_], bounce=bounce + 1
+        met_in_turn = Seen(
+            lit.surface, hits.triangle[met], lit.footprint, records.chosen(differentials, met)
         )
+        deeper = self.of(met_in_turn, lit.albedo, None, passed[from_], bounce=bounce + 1)
         own = own_light(lit, deeper)
         energy = float(np.einsum("nk,nk,k->", passed[from_], own, LUMINANCE))
         self._ledger.bounce(bounce, len(shiny), energy)
         reflection.radiance[from_] = own + mirrored_light(lit, deeper)
         reflection.share[from_] = gloss[from_]
-        self._describe(reflection, shiny, half_width, footprint[shiny], hits, met, lit.surface)
+        reflection.spread_px[shiny] = half_width / np.maximum(
+            pixel_angle(differentials, hits.t), np.float32(1e-9)
+        )
+        self._describe(reflection, shiny, hits, met, lit.surface)
         return reflection
 
     def _describe(
         self,
         reflection: Reflection,
         shiny: Longs,
-        half_width: Floats,
-        footprint: Floats,
         hits: Hits,
         met: Longs,
         seen: Surface,
     ) -> None:
-        """Say what mirrors show, and over how many pixels others spread it."""
-        width = footprint + hits.t * np.float32(self._spread)
-        pixels = np.full(len(shiny), 1.0 / max(self._spread, 1e-9), np.float32)
-        pixels[met] = hits.t[met] / np.maximum(width[met], 1e-30)
-        reflection.spread_px[shiny] = half_width * pixels
+        """Say what mirrors show."""
         sharp = np.flatnonzero(reflection.spread_px[shiny[met]] < 0.5)
         at = shiny[met[sharp]]
         reflection.triangle[at] = hits.triangle[met[sharp]]

@@ -73,7 +73,7 @@ def render(
         settings.occlusion_radius or _occlusion_radius(scene),
         ledger,
     )
-    reflections = Reflections(prepared, settings, illumination, resolved.footprint_spread, ledger)
+    reflections = Reflections(prepared, settings, illumination, ledger)
     draft = Draft(prepared, resolved, settings, control, ledger, illumination, reflections)
     for name, stage in STAGES[settings.mode]:
         control.check()

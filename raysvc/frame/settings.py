@@ -51,9 +51,10 @@ class Settings(BaseModel):
         description="How many times a reflection, or in reference mode a path, is followed on from "
         "what it has met; 1 by default, and 8 in reference mode.",
     )
-    texture_filter: Literal["mip", "bilinear", "nearest"] = Field(
-        "mip",
-        description="How textures are read: `mip` interpolates between prefiltered sizes.",
+    texture_filter: Literal["ewa", "mip", "sat", "bilinear", "nearest"] = Field(
+        "ewa",
+        description="How textures are read: over the ellipse that a pixel covers (`ewa`), between "
+        "two prefiltered sizes (`mip`), over rectangles (`sat`), or at a point.",
     )
     shadows: bool = Field(True, description="Trace shadows of the sun and of punctual lights.")
     occlusion_samples: int = Field(

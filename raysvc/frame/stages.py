@@ -131,7 +131,7 @@ def _depth_step(draft: Draft) -> Floats:
     step = np.full(len(draft.front), np.inf, np.float32)
     seen = draft.front >= 0
     index = draft.front[seen]
-    step[seen] = (points.footprint * (1.0 + 1.5 * slope))[index]
+    step[seen] = (draft.camera.pixel_width_m(points.depth) * (1.0 + 1.5 * slope))[index]
     return step.reshape(draft.shape)
 
 
@@ -143,8 +143,8 @@ def reflections(draft: Draft) -> None:
     pattern = tile_points(draft.settings.seed)
 
     def some(begin: int, end: int) -> Reflection:
-        surface, footprint = points.surface.rows(begin, end), points.footprint[begin:end]
-        albedo = draft.prepared.light.specular_albedo(surface)
+        seen = points.seen(draft.camera, begin, end)
+        albedo = draft.prepared.light.specular_albedo(seen.surface)
         # Points behind others have no neighbours to take a mean with.
         alone = ~in_front[begin:end]
         traced = np.empty(end - begin, np.int64)
@@ -155,9 +155,9 @@ def reflections(draft: Draft) -> None:
         ):
             if samples is not None:
                 samples = samples[place_in_tile(points.pixel[begin + index], draft.camera.width)]
-            part = surface.chosen(index)
             traced[index] = sum(part.weight.size for part in parts) + np.arange(len(index))
-            parts.append(draft.reflections.of(part, footprint[index], albedo[index], samples))
+            some_seen = records.chosen(seen, index)
+            parts.append(draft.reflections.of(some_seen, albedo[index], samples))
         return records.chosen(records.joined(parts), traced)
 
     parts = map_chunks(len(points.pixel), CHUNK, some, draft.control, "reflections")
@@ -206,7 +206,7 @@ def light(draft: Draft) -> None:
     def some(begin: int, end: int) -> Floats:
         lit = draft.illumination.lit(
             points.surface.rows(begin, end),
-            points.footprint[begin:end],
+            records.rows(points.footprint, begin, end),
             draft.direct[begin:end],
             draft.visible[begin:end],
         )

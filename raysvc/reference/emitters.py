@@ -96,8 +96,7 @@ class Emitters:
         """Points as rays in `directions` (N, 3) see them, and what they emit (N, 3), as far as
         they cover what is behind them.
         """
-        footprint = np.zeros(len(triangle), np.float32)
-        seen = self._tables.surface(triangle, barycentric, directions, footprint, "bilinear")
+        seen = self._tables.surface(triangle, barycentric, directions)
         return seen, seen.emissive * self._tables.alpha(triangle, barycentric)[:, None]
 
     def _mean_luminance(self) -> Doubles:

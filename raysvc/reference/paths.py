@@ -166,11 +166,8 @@ class PathTracer:
 
     def _surface(self, wave: Wave) -> Surface:
         """What the paths have met; textures at their finest, for samples filter them."""
-        footprint = np.zeros(len(wave.path), np.float32)
         hits = wave.hits
-        return self._tables.surface(
-            hits.triangle, hits.barycentric, wave.rays.directions, footprint, "bilinear"
-        )
+        return self._tables.surface(hits.triangle, hits.barycentric, wave.rays.directions)
 
     def _shining(self, wave: Wave, surface: Surface) -> Floats:
         """(N, 3) light that the surfaces themselves give off."""

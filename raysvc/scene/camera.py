@@ -64,10 +64,10 @@ class Camera:
         """Height of a pixel at view depth 1 (perspective) or anywhere (orthographic)."""
         return 2.0 * self.half_height / self.height
 
-    @property
-    def footprint_spread(self) -> float:
-        """How fast what a pixel sees widens along its ray, in metres per metre of depth."""
-        return self.metres_per_pixel_at_unit_depth if self.projection == "perspective" else 0.0
+    def pixel_width_m(self, depth: Floats) -> Floats:
+        """Return how wide a pixel is at view depths (...), across the view axis, in metres."""
+        width = np.float32(self.metres_per_pixel_at_unit_depth)
+        return depth * width if self.projection == "perspective" else np.full_like(depth, width)
 
     def rays(self, pixels: Longs, within: Doubles | None = None) -> tuple[Floats, Floats]:
         """Origins and unit directions of rays through pixels.

@@ -1,12 +1,8 @@
 """From "this point of that triangle" to the varnish on it."""
 
-import math
-
-import numpy as np
-
-from raysvc.geometry.vector_kernels import dot, scaled
-from raysvc.jit import kernel
-from raysvc.shading.attribute_kernels import Geometry, bumped, normals, read_slot, turned_up
+from raysvc.geometry.vector_kernels import Vec3, scaled
+from raysvc.jit import inlined
+from raysvc.shading.attribute_kernels import Geometry
 from raysvc.shading.coat import Coat
 from raysvc.shading.material_table import (
     COAT,
@@ -17,73 +13,35 @@ from raysvc.shading.material_table import (
     COAT_SLOT,
     MaterialTable,
 )
-from raysvc.shading.texture_kernels import TextureTable
-from raysvc.types import Floats, Ints
+from raysvc.shading.normal_map_kernels import bumped, turned_up
+from raysvc.types import Doubles
 
 
-@kernel
-def evaluate_coat(
+@inlined
+def write_coat(
     geometry: Geometry,
     materials: MaterialTable,
-    textures: TextureTable,
-    triangle: Ints,
-    barycentric: Floats,
-    directions: Floats,
-    footprint: Floats,
-    texture_filter: int,
+    texel: Doubles,
+    triangle: int,
+    u: float,
+    v: float,
+    front: Vec3,
+    side: float,
+    towards: Vec3,
     coat: Coat,
+    n: int,
 ) -> None:
-    """Fill the arrays of a `Coat` of N points; the arguments are those of `surface_kernels`."""
-    for n in range(len(triangle)):
-        f = triangle[n]
-        u, v = np.float64(barycentric[n, 0]), np.float64(barycentric[n, 1])
-        weights = (1.0 - u - v, u, v)
-        material = geometry.material_of_triangle[f]
-        towards = (-float(directions[n, 0]), -float(directions[n, 1]), -float(directions[n, 2]))
-        ng, ns, double_area = normals(geometry, f, u, v, towards)
-        facing = dot(ng, towards)
-        clearcoat = materials.factors[material, COAT]
-        roughness = materials.factors[material, COAT_ROUGHNESS]
-        if clearcoat > 0.0:
-            metres = footprint[n] / math.sqrt(max(abs(facing), 0.02) * max(double_area, 1e-30))
-            texel = read_slot(
-                geometry,
-                materials,
-                textures,
-                material,
-                COAT_SLOT,
-                f,
-                weights,
-                metres,
-                texture_filter,
-            )
-            clearcoat *= texel[0]
-            texel = read_slot(
-                geometry,
-                materials,
-                textures,
-                material,
-                COAT_ROUGHNESS_SLOT,
-                f,
-                weights,
-                metres,
-                texture_filter,
-            )
-            roughness *= texel[1]
-            ns = bumped(
-                geometry,
-                materials,
-                textures,
-                COAT_NORMAL_SLOT,
-                COAT_NORMAL_SCALE,
-                f,
-                weights,
-                metres,
-                texture_filter,
-                ns,
-            )
-        ns = turned_up(scaled(ns, 1.0 if facing >= 0.0 else -1.0), towards)
-        coat.clearcoat[n] = clearcoat
-        coat.roughness[n] = roughness
-        for k in range(3):
-            coat.normal[n, k] = ns[k]
+    """Write row n of a `Coat`: a point at weights u, v of a triangle.
+
+    texel (SLOTS, 4) is what the slots of its material read; `front` is the interpolated normal of
+    the triangle's front, `side` 1 or -1 for the side that is seen, and `towards` its viewer.
+    """
+    material = geometry.material_of_triangle[triangle]
+    coat.clearcoat[n] = materials.factors[material, COAT] * texel[COAT_SLOT, 0]
+    coat.roughness[n] = materials.factors[material, COAT_ROUGHNESS] * texel[COAT_ROUGHNESS_SLOT, 1]
+    slot = COAT_NORMAL_SLOT
+    read = (texel[slot, 0], texel[slot, 1], texel[slot, 2], 1.0)
+    normal = bumped(geometry, materials, slot, COAT_NORMAL_SCALE, triangle, u, v, read, front)
+    normal = turned_up(scaled(normal, side), towards)
+    for k in range(3):
+        coat.normal[n, k] = normal[k]

@@ -4,7 +4,7 @@ import numpy as np
 
 from raysvc.geometry.vector_kernels import cross, dot, plus, row3
 from raysvc.jit import inlined, kernel
-from raysvc.shading.attribute_kernels import Geometry, read_slot
+from raysvc.shading.attribute_kernels import Geometry
 from raysvc.shading.material_table import (
     ALPHA,
     BASE_SLOT,
@@ -13,7 +13,9 @@ from raysvc.shading.material_table import (
     OPAQUE,
     MaterialTable,
 )
-from raysvc.shading.texture_kernels import BILINEAR, TextureTable
+from raysvc.shading.slot_kernels import slot_uv
+from raysvc.shading.texel_kernels import COLOUR, TextureTable
+from raysvc.shading.texture_kernels import bilinear
 from raysvc.types import Bools, Floats, Ints
 
 
@@ -32,9 +34,11 @@ def alpha_of(
     if mode == OPAQUE:
         return 1.0
     weights = (1.0 - u - v, u, v)
-    texel = read_slot(
-        geometry, materials, textures, material, BASE_SLOT, triangle, weights, 0.0, BILINEAR
-    )
+    texel_alpha = 1.0
+    if materials.texture[material, BASE_SLOT, 0] >= 0:
+        uv = slot_uv(geometry, materials, material, BASE_SLOT, triangle, weights, 1.0)
+        texture = materials.texture[material, BASE_SLOT, 0]
+        texel_alpha = bilinear(textures, texture, uv, COLOUR)[3]
     i0, i1, i2 = (
         geometry.triangles[triangle, 0],
         geometry.triangles[triangle, 1],
@@ -42,7 +46,7 @@ def alpha_of(
     )
     colour = geometry.colours
     vertex = weights[0] * colour[i0, 3] + u * colour[i1, 3] + v * colour[i2, 3]
-    alpha = float(materials.factors[material, ALPHA] * texel[3] * vertex)
+    alpha = float(materials.factors[material, ALPHA] * texel_alpha * vertex)
     if mode == MASK:
         return 1.0 if alpha >= materials.factors[material, CUTOFF] else 0.0
     return min(max(alpha, 0.0), 1.0)

@@ -20,7 +20,7 @@ def evaluate_glass(
     for n in range(len(triangle)):
         material = geometry.material_of_triangle[triangle[n]]
         towards = scaled(row3(directions, n), -1.0)
-        front, _, _ = normals(geometry, triangle[n], 0.0, 0.0, towards)
+        front, _ = normals(geometry, triangle[n], 0.0, 0.0, towards)
         glass.entering[n] = dot(front, towards) >= 0.0
         glass.solid[n] = materials.flags[material, 2] == 1
         glass.ior[n] = materials.factors[material, IOR]

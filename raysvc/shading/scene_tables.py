@@ -7,17 +7,25 @@ import numpy as np
 
 from raysvc.scene import Scene
 from raysvc.shading.attribute_kernels import Geometry
-from raysvc.shading.coat_kernels import evaluate_coat
 from raysvc.shading.coverage_kernels import alphas, coverages
+from raysvc.shading.footprint import Footprint
 from raysvc.shading.glass_kernels import evaluate_glass
 from raysvc.shading.material_table import MaterialTable, material_table
 from raysvc.shading.surface import Surface
 from raysvc.shading.surface_kernels import evaluate
-from raysvc.shading.texture_kernels import BILINEAR, MIP, NEAREST, TextureTable
+from raysvc.shading.texel_kernels import TextureTable
+from raysvc.shading.texture_kernels import BILINEAR, EWA, MIP, NEAREST, SAT
+from raysvc.shading.texture_sums import NO_SUMS, LazySums
 from raysvc.shading.texture_table import texture_table
 from raysvc.types import Bools, Floats, Ints
 
-TEXTURE_FILTERS: Final = {"nearest": NEAREST, "bilinear": BILINEAR, "mip": MIP}
+TEXTURE_FILTERS: Final = {
+    "ewa": EWA,
+    "mip": MIP,
+    "sat": SAT,
+    "bilinear": BILINEAR,
+    "nearest": NEAREST,
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,6 +35,8 @@ class SceneTables:
     geometry: Geometry
     materials: MaterialTable
     textures: TextureTable
+    sums: LazySums
+    """Summed-area tables of the textures, for the filter `sat`."""
     solid: Bools
     """(F,) bool: triangles without holes, that is whose material is opaque."""
     double_sided: Bools
@@ -44,6 +54,7 @@ class SceneTables:
         modes = np.array([m.alpha_mode for m in scene.materials] or ["opaque"])
         double = np.array([m.double_sided or m.solid for m in scene.materials] or [True])
         material = scene.material_of_triangle
+        materials, textures = material_table(scene.materials), texture_table(scene)
         return cls(
             Geometry(
                 scene.positions,
@@ -54,8 +65,9 @@ class SceneTables:
                 scene.triangles,
                 material,
             ),
-            material_table(scene.materials),
-            texture_table(scene),
+            materials,
+            textures,
+            LazySums(materials, textures),
             (modes == "opaque")[material],
             double[material],
             (modes == "blend")[material],
@@ -89,8 +101,8 @@ class SceneTables:
         triangle: Ints,
         barycentric: Floats,
         directions: Floats,
-        footprint: Floats,
-        texture_filter: str,
+        footprint: Footprint | None = None,
+        texture_filter: str = "bilinear",
     ) -> Surface:
         """Evaluate N points.
 
@@ -103,15 +115,18 @@ class SceneTables:
         directions
             (N, 3) unit directions of the rays that arrived
         footprint
-            (N,) metres, width across the ray of what one pixel sees
+            of N points, what pixels cover there; None for points without extent
         texture_filter
             a key of TEXTURE_FILTERS
         """
         surface = Surface.empty(len(triangle), self.coated, self.glassy)
+        if footprint is None:
+            footprint = Footprint.points(len(triangle))
         evaluate(
             self.geometry,
             self.materials,
             self.textures,
+            self.sums.made() if texture_filter == "sat" else NO_SUMS,
             triangle,
             barycentric,
             directions,
@@ -119,18 +134,6 @@ class SceneTables:
             TEXTURE_FILTERS[texture_filter],
             surface,
         )
-        if self.coated:
-            evaluate_coat(
-                self.geometry,
-                self.materials,
-                self.textures,
-                triangle,
-                barycentric,
-                directions,
-                footprint,
-                TEXTURE_FILTERS[texture_filter],
-                surface.coat,
-            )
         if self.glassy:
             evaluate_glass(self.geometry, self.materials, triangle, directions, surface.glass)
         return surface

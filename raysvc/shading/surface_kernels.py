@@ -1,24 +1,19 @@
 """From "this point of that triangle" to a surface with its material evaluated."""
 
-import math
-
 import numpy as np
 
-from raysvc.geometry.vector_kernels import dot, scaled
+from raysvc.geometry.vector_kernels import dot, row3, scaled
 from raysvc.jit import kernel
-from raysvc.shading.attribute_kernels import (
-    Geometry,
-    bumped,
-    mixed3,
-    normals,
-    read_slot,
-    turned_up,
-)
+from raysvc.shading.attribute_kernels import Geometry, mixed3, normals
+from raysvc.shading.coat_kernels import write_coat
+from raysvc.shading.footprint import Footprint
+from raysvc.shading.footprint_kernels import spread_of_weights
 from raysvc.shading.material_table import (
     ALPHA,
     BASE,
     BASE_SLOT,
     BLEND,
+    COAT_SLOT,
     EMISSIVE,
     EMISSIVE_SLOT,
     F0,
@@ -29,12 +24,16 @@ from raysvc.shading.material_table import (
     OCCLUSION_SLOT,
     OCCLUSION_STRENGTH,
     ROUGHNESS,
+    SLOTS,
     TRANSMISSION,
     TRANSMISSION_SLOT,
     MaterialTable,
 )
+from raysvc.shading.normal_map_kernels import bumped, turned_up
+from raysvc.shading.slot_kernels import read_slot
 from raysvc.shading.surface import Surface
-from raysvc.shading.texture_kernels import TextureTable
+from raysvc.shading.texel_kernels import TextureTable
+from raysvc.shading.texture_sum_kernels import TextureSums
 from raysvc.types import Floats, Ints
 
 CLEARANCE = 256 * 1.1920929e-07
@@ -46,18 +45,22 @@ def evaluate(
     geometry: Geometry,
     materials: MaterialTable,
     textures: TextureTable,
+    sums: TextureSums,
     triangle: Ints,
     barycentric: Floats,
     directions: Floats,
-    footprint: Floats,
+    footprint: Footprint,
     texture_filter: int,
     surface: Surface,
 ) -> None:
-    """Fill the arrays of a `Surface` of N points.
+    """Fill the arrays of a `Surface` of N points, and of its coat if there is room for one.
 
     triangle (N,), barycentric (N, 2); directions (N, 3) unit, of the rays that arrived; footprint
-    (N,) width in metres of what a pixel sees there, across the ray.
+    of N points, what pixels cover there.
     """
+    is_coated = len(surface.coat.clearcoat) > 0
+    slots = SLOTS if is_coated else COAT_SLOT
+    texel = np.empty((SLOTS, 4))
     for n in range(len(triangle)):
         f = triangle[n]
         u, v = np.float64(barycentric[n, 0]), np.float64(barycentric[n, 1])
@@ -65,98 +68,62 @@ def evaluate(
         i0, i1, i2 = geometry.triangles[f, 0], geometry.triangles[f, 1], geometry.triangles[f, 2]
         material = geometry.material_of_triangle[f]
         factors = materials.factors
-        towards = (-float(directions[n, 0]), -float(directions[n, 1]), -float(directions[n, 2]))
+        arriving = row3(directions, n)
+        towards = scaled(arriving, -1.0)
+
+        # What every slot reads; in a loop, for each copy of the filters takes seconds to compile
+        spread, is_known = (0.0, 0.0, 0.0), False
+        for slot in range(slots):
+            texel[slot, 0] = texel[slot, 1] = texel[slot, 2] = texel[slot, 3] = 1.0
+            if materials.texture[material, slot, 0] < 0:
+                continue
+            if not is_known:
+                is_known = True
+                spread = spread_of_weights(
+                    row3(geometry.positions, i0),
+                    row3(geometry.positions, i1),
+                    row3(geometry.positions, i2),
+                    arriving,
+                    row3(footprint.dpdx, n),
+                    row3(footprint.dpdy, n),
+                    np.float64(footprint.blur[n]),
+                )
+            texel[slot, 0], texel[slot, 1], texel[slot, 2], texel[slot, 3] = read_slot(
+                geometry, materials, textures, sums, slot, f, weights, spread, texture_filter
+            )
 
         # Geometric and shading normal, of the front with its normal map, then on the viewer's side
-        ng, ns, double_area = normals(geometry, f, u, v, towards)
+        ng, front = normals(geometry, f, u, v, towards)
         side = 1.0 if dot(ng, towards) >= 0.0 else -1.0
-        cosine = max(abs(dot(ng, towards)), 0.02)
-        metres = footprint[n] / math.sqrt(cosine * max(double_area, 1e-30))
-        ns = bumped(
-            geometry,
-            materials,
-            textures,
-            NORMAL_SLOT,
-            NORMAL_SCALE,
-            f,
-            weights,
-            metres,
-            texture_filter,
-            ns,
-        )
+        read = (texel[NORMAL_SLOT, 0], texel[NORMAL_SLOT, 1], texel[NORMAL_SLOT, 2], 1.0)
+        ns = bumped(geometry, materials, NORMAL_SLOT, NORMAL_SCALE, f, u, v, read, front)
         ng, ns = scaled(ng, side), turned_up(scaled(ns, side), towards)
+        if is_coated:
+            write_coat(geometry, materials, texel, f, u, v, front, side, towards, surface.coat, n)
 
         # Colour and coverage
-        texel = read_slot(
-            geometry, materials, textures, material, BASE_SLOT, f, weights, metres, texture_filter
-        )
         colour = geometry.colours
         vertex = mixed3(colour, i0, i1, i2, u, v)
-        surface.base_colour[n, 0] = factors[material, BASE] * texel[0] * vertex[0]
-        surface.base_colour[n, 1] = factors[material, BASE + 1] * texel[1] * vertex[1]
-        surface.base_colour[n, 2] = factors[material, BASE + 2] * texel[2] * vertex[2]
+        surface.base_colour[n, 0] = factors[material, BASE] * texel[BASE_SLOT, 0] * vertex[0]
+        surface.base_colour[n, 1] = factors[material, BASE + 1] * texel[BASE_SLOT, 1] * vertex[1]
+        surface.base_colour[n, 2] = factors[material, BASE + 2] * texel[BASE_SLOT, 2] * vertex[2]
         surface.alpha[n] = 1.0
         if materials.flags[material, 0] == BLEND:
             vertex_alpha = weights[0] * colour[i0, 3] + u * colour[i1, 3] + v * colour[i2, 3]
-            surface.alpha[n] = min(
-                max(factors[material, ALPHA] * texel[3] * vertex_alpha, 0.0), 1.0
-            )
+            alpha = factors[material, ALPHA] * texel[BASE_SLOT, 3] * vertex_alpha
+            surface.alpha[n] = min(max(alpha, 0.0), 1.0)
 
-        # Metalness, roughness, occlusion, emission
-        texel = read_slot(
-            geometry,
-            materials,
-            textures,
-            material,
-            METALLIC_ROUGHNESS_SLOT,
-            f,
-            weights,
-            metres,
-            texture_filter,
-        )
-        surface.roughness[n] = min(max(factors[material, ROUGHNESS] * texel[1], 0.0), 1.0)
-        surface.metallic[n] = min(max(factors[material, METALLIC] * texel[2], 0.0), 1.0)
+        # Metalness, roughness, transmission, occlusion, emission
+        roughness = factors[material, ROUGHNESS] * texel[METALLIC_ROUGHNESS_SLOT, 1]
+        surface.roughness[n] = min(max(roughness, 0.0), 1.0)
+        metallic = factors[material, METALLIC] * texel[METALLIC_ROUGHNESS_SLOT, 2]
+        surface.metallic[n] = min(max(metallic, 0.0), 1.0)
         surface.dielectric_f0[n] = factors[material, F0]
-        surface.transmission[n] = factors[material, TRANSMISSION]
-        if materials.texture[material, TRANSMISSION_SLOT, 0] >= 0:
-            texel = read_slot(
-                geometry,
-                materials,
-                textures,
-                material,
-                TRANSMISSION_SLOT,
-                f,
-                weights,
-                metres,
-                texture_filter,
-            )
-            surface.transmission[n] *= texel[0]
-        texel = read_slot(
-            geometry,
-            materials,
-            textures,
-            material,
-            OCCLUSION_SLOT,
-            f,
-            weights,
-            metres,
-            texture_filter,
-        )
-        surface.occlusion[n] = 1.0 + factors[material, OCCLUSION_STRENGTH] * (texel[0] - 1.0)
-        texel = read_slot(
-            geometry,
-            materials,
-            textures,
-            material,
-            EMISSIVE_SLOT,
-            f,
-            weights,
-            metres,
-            texture_filter,
-        )
-        surface.emissive[n, 0] = factors[material, EMISSIVE] * texel[0]
-        surface.emissive[n, 1] = factors[material, EMISSIVE + 1] * texel[1]
-        surface.emissive[n, 2] = factors[material, EMISSIVE + 2] * texel[2]
+        surface.transmission[n] = factors[material, TRANSMISSION] * texel[TRANSMISSION_SLOT, 0]
+        darker = factors[material, OCCLUSION_STRENGTH] * (texel[OCCLUSION_SLOT, 0] - 1.0)
+        surface.occlusion[n] = 1.0 + darker
+        for k in range(3):
+            surface.emissive[n, k] = factors[material, EMISSIVE + k] * texel[EMISSIVE_SLOT, k]
         surface.unlit[n] = materials.flags[material, 1] == 1
 
         largest = 0.0

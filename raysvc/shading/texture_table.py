@@ -7,31 +7,24 @@ taken in linear light where the texture holds colours.
 import numpy as np
 
 from raysvc.scene import Scene, Texture
-from raysvc.shading.texture_kernels import (
-    CLAMP,
-    MAX_LEVELS,
-    MIRROR,
-    REPEAT,
-    TextureTable,
-    halve,
-)
+from raysvc.shading.mip_kernels import halve
+from raysvc.shading.texel_kernels import CLAMP, MAX_LEVELS, MIRROR, REPEAT, TextureTable
 from raysvc.types import Bytes, Floats
 
 WRAPS = {"repeat": REPEAT, "clamp": CLAMP, "mirror": MIRROR}
 
 
-def srgb_decoding() -> Floats:
-    """(256,) float32: linear value of each 8-bit sRGB code (IEC 61966-2-1)."""
+def decodings() -> Floats:
+    """(2, 256) float32: linear value of each 8-bit code as data, and as sRGB (IEC 61966-2-1)."""
     code = np.arange(256) / 255.0
-    return np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4).astype(
-        np.float32
-    )
+    colour = np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
+    return np.stack([code, colour]).astype(np.float32)
 
 
 def texture_table(scene: Scene) -> TextureTable:
     """Pack a scene's textures; a texel array that several textures share is stored once."""
     colour = _colour_textures(scene)
-    linear_from_srgb = srgb_decoding()
+    decoding = decodings()
     count = max(len(scene.textures), 1)
     start = np.zeros((count, MAX_LEVELS), np.int64)
     size = np.ones((count, MAX_LEVELS, 2), np.int32)
@@ -50,14 +43,14 @@ def texture_table(scene: Scene) -> TextureTable:
         if same != number:
             start[number], size[number], levels[number] = start[same], size[same], levels[same]
             continue
-        for level, texels in enumerate(_pyramid(texture, number in colour, linear_from_srgb)):
+        for level, texels in enumerate(_pyramid(texture, decoding[int(number in colour)])):
             start[number, level] = used
             size[number, level] = texels.shape[1], texels.shape[0]
             levels[number] = level + 1
             used += texels.shape[0] * texels.shape[1]
             parts.append(texels.reshape(-1, 4))
     texels = np.concatenate(parts) if parts else np.full((1, 4), 255, np.uint8)
-    return TextureTable(texels, start, size, levels, sampler, linear_from_srgb)
+    return TextureTable(texels, start, size, levels, sampler, decoding)
 
 
 def _colour_textures(scene: Scene) -> set[int]:
@@ -70,8 +63,7 @@ def _colour_textures(scene: Scene) -> set[int]:
     return {ref.texture for ref in slots if ref is not None}
 
 
-def _pyramid(texture: Texture, is_colour: bool, linear_from_srgb: Floats) -> list[Bytes]:
-    decoding = linear_from_srgb if is_colour else np.linspace(0, 1, 256, dtype=np.float32)
+def _pyramid(texture: Texture, decoding: Floats) -> list[Bytes]:
     thresholds = ((decoding[1:] + decoding[:-1]) / 2).astype(np.float32)
     pyramid = [np.ascontiguousarray(texture.texels)]
     while len(pyramid) < MAX_LEVELS and max(pyramid[-1].shape[:2]) > 1:

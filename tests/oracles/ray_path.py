@@ -66,13 +66,14 @@ def refract(direction, normal, eta):
 def follow(origin, direction, path):
     """Origin and direction of the ray after every surface of a path.
 
-    path: pairs of a surface and what happens: "reflect", or ("refract", eta), or None at the end.
+    path: pairs of a surface and what happens: "reflect", or ("refract", eta), or None at the end;
+    perhaps with a vector (3,) by which the ray then starts off the surface.
     """
     rays = [(origin, direction)]
-    for surface, event in path:
+    for surface, event, *off in path:
         origin, direction = rays[-1]
         t, _, normal = surface.hit(origin, direction)
-        origin = origin + t * direction
+        origin = origin + t * direction + (off[0] if off else 0.0)
         if event == "reflect":
             direction = reflect(direction, normal)
         elif event is not None:

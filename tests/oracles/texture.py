@@ -60,3 +60,39 @@ def halved(texels, is_colour):
             block = [texel(texels, c, r, ("clamp", "clamp"), is_colour) for r in y for c in x]
             smaller[row, col] = np.mean(block, axis=0)
     return smaller
+
+
+def box_mean(texels, low, high, wraps, is_colour):
+    """Mean over a rectangle in texels (x, y) of a texture whose texels are squares."""
+    total = np.zeros(4)
+    for row in range(math.floor(low[1]), math.ceil(high[1])):
+        tall = min(high[1], row + 1) - max(low[1], row)
+        for col in range(math.floor(low[0]), math.ceil(high[0])):
+            wide = min(high[0], col + 1) - max(low[0], col)
+            total += wide * tall * texel(texels, col, row, wraps, is_colour)
+    return total / ((high[0] - low[0]) * (high[1] - low[1]))
+
+
+def gaussian(texels, u, v, variance, wraps, is_colour):
+    """Mean of all texels under exp(-2 r^2) - exp(-2) within an ellipse, r of its radius.
+
+    variance (2, 2) of the weights, in texels.
+    """
+    height, width = texels.shape[:2]
+    # Radius 1 has this variance, by summing over a fine grid.
+    x, y = np.meshgrid(*[np.linspace(-1, 1, 801)] * 2)
+    weight = np.maximum(np.exp(-2 * (x * x + y * y)) - np.exp(-2), 0)
+    of_unit = (weight * x * x).sum() / weight.sum()
+    inverse = np.linalg.inv(variance / of_unit)
+    reach = np.ceil(np.sqrt(np.diag(variance / of_unit))).astype(int) + 1
+    at = np.array([u * width - 0.5, v * height - 0.5])
+    total, weights = np.zeros(4), 0.0
+    for row in range(math.floor(at[1]) - reach[1], math.floor(at[1]) + reach[1] + 2):
+        for col in range(math.floor(at[0]) - reach[0], math.floor(at[0]) + reach[0] + 2):
+            away = np.array([col, row]) - at
+            square = away @ inverse @ away
+            if square < 1:
+                counts = math.exp(-2 * square) - math.exp(-2)
+                total += counts * texel(texels, col, row, wraps, is_colour)
+                weights += counts
+    return total / weights

@@ -54,8 +54,6 @@ def test_density_is_that_of_a_hit_in_the_drawn_direction(rng):
         hits.triangle[far],
         hits.barycentric[far],
         samples.to_light[far],
-        np.zeros(far.sum(), np.float32),
-        "bilinear",
     )
     density = light.density(hits.triangle[far], surface, hits.t[far])
     np.testing.assert_allclose(density, samples.density[far], rtol=2e-3)

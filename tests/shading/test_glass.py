@@ -56,8 +56,6 @@ def test_rays_enter_at_the_front_and_leave_at_the_back(rng):
         triangle,
         np.full((len(triangle), 2), 1 / 3, np.float32),
         directions,
-        np.zeros(len(triangle), np.float32),
-        "bilinear",
     )
     corners = ball.positions[ball.triangles].astype(float)
     outwards = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -179,9 +179,7 @@ def test_normals_are_unit_and_never_turned_from_the_viewer(seed):
     weights = rng.dirichlet([1, 1, 1], 30)[:, :2].astype(np.float32)
     directions = rng.normal(size=(30, 3)).astype(np.float32)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    surface = SceneTables.of(scene).surface(
-        np.arange(30, dtype=np.int32), weights, directions, np.zeros(30, np.float32), "bilinear"
-    )
+    surface = SceneTables.of(scene).surface(np.arange(30, dtype=np.int32), weights, directions)
     for vectors in (surface.normal, surface.geometric_normal):
         assert np.linalg.norm(vectors, axis=1) == pytest.approx(np.ones(30), abs=1e-5)
         assert (np.einsum("nk,nk->n", vectors, surface.to_viewer) >= -1e-6).all()
@@ -193,11 +191,7 @@ def test_positions_lie_in_the_plane_of_their_triangle(rng):
     scene = mesh(corners, np.arange(300).reshape(-1, 3))
     weights = rng.dirichlet([1, 1, 1], 100)[:, :2].astype(np.float32)
     surface = SceneTables.of(scene).surface(
-        np.arange(100, dtype=np.int32),
-        weights,
-        np.tile(np.float32([0, 0, -1]), (100, 1)),
-        np.zeros(100, np.float32),
-        "bilinear",
+        np.arange(100, dtype=np.int32), weights, np.tile(np.float32([0, 0, -1]), (100, 1))
     )
     p = scene.positions.reshape(100, 3, 3).astype(float)
     normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])

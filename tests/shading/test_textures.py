@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from raysvc.scene import Material, Texture, TextureRef
-from raysvc.shading.scene_tables import SceneTables
+from raysvc.shading.scene_tables import TEXTURE_FILTERS, SceneTables
 from tests.oracles import texture as slow
 from tests.scenes import chequered, quad
-from tests.shading.reading import at_uv
+from tests.shading.reading import at_uv, square_pixels
 
 WRAPS = ("repeat", "clamp", "mirror")
 SEEDS = st.integers(0, 2**32 - 1)
@@ -78,7 +78,7 @@ def test_coordinates_that_overflow_are_survived(wrap, factor):
         material=replace(BASE, base_colour_texture=ref),
         uv=np.array([(3e38, 3e38), (-3e38, 3e38), (0, 3e38), (3e38, 0)], np.float32),
     )
-    for name in ("nearest", "bilinear", "mip"):
+    for name in TEXTURE_FILTERS:
         for footprint in (0.0, 1.0, 1e30):
             read = rgba(at_uv(scene, [(0.3, 0.4)], footprint=footprint, texture_filter=name))
             assert np.isfinite(read).all()
@@ -131,9 +131,9 @@ def levels_texture():
 def test_the_size_whose_texels_match_the_footprint_is_read(level, tilt_deg):
     texels = levels_texture()
     scene = textured(texels, material=DATA)
-    # The quad is 2 m across, a texel 1/8 m; tilted, their width shrinks by the cosine's root.
+    # The quad is 2 m across, a texel 1/8 m; tilted, a pixel covers more along one axis.
     cosine = np.cos(np.deg2rad(tilt_deg))
-    footprint = 2.0**level / 8 * np.sqrt(cosine)
+    footprint = 2.0**level / 8 * cosine
     points = np.random.default_rng(1).random((10, 2))
     surface = at_uv(
         scene,
@@ -171,7 +171,7 @@ def test_sizes_blend_without_a_jump():
                 np.zeros(4000, np.int32),
                 np.tile(np.float32([0.3, 0.2]), (4000, 1)),
                 np.tile(np.float32([0, 0, -1]), (4000, 1)),
-                footprints.astype(np.float32),
+                square_pixels(np.tile([0.0, 0, -1], (4000, 1)), footprints[:, None]),
                 "mip",
             )
             .occlusion
@@ -182,7 +182,7 @@ def test_sizes_blend_without_a_jump():
 
 def test_magnified_squares_are_read_as_squares_by_every_filter():
     texels = chequered([0, 255])
-    for name in ("nearest", "bilinear", "mip"):
+    for name in TEXTURE_FILTERS:
         surface = at_uv(
             textured(texels, nearest=True, material=DATA), [(0.45, 0.5)], texture_filter=name
         )

@@ -82,8 +82,6 @@ def seen(scene, origins, directions, rng, bounces=60):
             hits.triangle[met],
             hits.barycentric[met],
             rays.directions[met],
-            np.zeros(len(met), np.float32),
-            "bilinear",
         )
         inside = surface.glass.solid & ~surface.glass.entering
         throughput[inside] *= np.exp(-surface.glass.absorption * hits.t[met][:, None])[inside]

@@ -61,9 +61,7 @@ def test_a_triangle_never_shadows_itself(structure, seed, size, away):
     tables = SceneTables.of(scene)
     weights = rng.dirichlet([1, 1, 1], 200)[:, :2].astype(np.float32)
     arriving = unit(rng.normal(size=(200, 3))).astype(np.float32)
-    surface = tables.surface(
-        np.zeros(200, np.int32), weights, arriving, np.zeros(200, np.float32), "bilinear"
-    )
+    surface = tables.surface(np.zeros(200, np.int32), weights, arriving)
     leaving = unit(rng.normal(size=(200, 3)))
     asked = rays_from(surface, leaving, np.full(200, np.inf))
     assert (World(scene, tables, structure).transmittance(asked) == 1).all()

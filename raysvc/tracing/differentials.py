@@ -1,0 +1,154 @@
+"""What pixels cover along the paths of their rays: carried from the camera over every bounce.
+
+Igehy 1999, "Tracing Ray Differentials", for the pixel; a cone beside it for the lobes of rough
+mirrors (Amanatides 1984, "Ray Tracing with Cones"), whose widening a curved mirror changes as it
+does a pixel's.
+
+    camera -> primary_differentials -> footprint_at -> reflected | refracted | passed_straight
+                                            ^                            |
+                                            +----------------------------+
+
+`footprint_at` says what is seen where a ray arrives, and the other three how its continuation
+begins.
+"""
+
+import numpy as np
+
+from raysvc.scene import Camera
+from raysvc.shading.attribute_kernels import Geometry
+from raysvc.shading.footprint import Footprint
+from raysvc.shading.surface import Surface
+from raysvc.tracing.ray_differential_kernels import (
+    MIRRORED,
+    continued,
+    footprints,
+    pixel_angles,
+    primary,
+)
+from raysvc.tracing.ray_differentials import RayDifferentials
+from raysvc.types import Doubles, Floats, Ints
+
+
+def primary_differentials(
+    camera: Camera, directions: Floats, pixels_per_step: float = 1.0
+) -> RayDifferentials:
+    """Differentials of a camera's rays.
+
+    Parameters
+    ----------
+    camera
+        as it is; where in its pixels the rays go does not matter
+    directions
+        (R, 3) unit, as `Camera.rays` returns them; those of a surface are `-surface.to_viewer`
+    pixels_per_step
+        what a ray stands for: 1 / sqrt(n) if it is one of n samples of its pixel
+    """
+    differentials = RayDifferentials.empty(len(directions))
+    step = camera.metres_per_pixel_at_unit_depth * pixels_per_step
+    right: Doubles = step * camera.world_from_camera[:3, 0]
+    down: Doubles = -step * camera.world_from_camera[:3, 1]
+    is_perspective = camera.projection == "perspective"
+    primary(directions, camera.forward, right, down, is_perspective, differentials)
+    return differentials
+
+
+def footprint_at(
+    geometry: Geometry,
+    triangle: Ints,
+    t: Floats,
+    directions: Floats,
+    differentials: RayDifferentials,
+) -> Footprint:
+    """What pixels cover where N rays meet triangles (N,) at distances t (N,).
+
+    `directions` (N, 3) unit. The points move on the planes of their triangles, as far as those go;
+    rays nearer to a plane than 1e-4 are treated as if they were not.
+    """
+    footprint = Footprint.empty(len(triangle))
+    footprints(geometry, triangle, t, directions, differentials, footprint)
+    return footprint
+
+
+def pixel_angle(differentials: RayDifferentials, t: Floats) -> Floats:
+    """(R,) angle in radians that a pixel's step covers at distances t (R,), seen from the origins.
+
+    The mean of both axes, by their product; across the rays nearly. t may be inf: then it is what
+    the direction changes by.
+    """
+    angle = np.empty(len(t), np.float32)
+    pixel_angles(differentials, t, angle)
+    return angle
+
+
+def reflected(
+    geometry: Geometry,
+    triangle: Ints,
+    surface: Surface,
+    directions: Floats,
+    arriving: RayDifferentials,
+    footprint: Footprint,
+    widening: Floats,
+) -> RayDifferentials:
+    """Differentials of rays that N points of a surface reflect.
+
+    Parameters
+    ----------
+    geometry, triangle
+        of the scene, and (N,) on which of its triangles the points are: they say how the shading
+        normal turns. A normal map's own change is left out; its footprint has filtered it
+    surface
+        N points, with the directions from which they are seen
+    directions
+        (N, 3) unit, of the rays that leave: about the shading normal, or, into the lobe of a rough
+        surface, about a half vector, which is taken to turn with it
+    arriving
+        differentials of the N rays that arrived at them
+    footprint
+        what `footprint_at` says of them there
+    widening
+        (N,) what the surface's roughness adds to the cone: the tangent of half its lobe's angle. It
+        is added to what arrived as independent blurs are, by the squares
+    """
+    leaving = RayDifferentials.empty(len(triangle))
+    mirrored = np.full(len(triangle), MIRRORED, np.float32)
+    continued(
+        geometry, triangle, surface, directions, arriving, footprint, widening, mirrored, leaving
+    )
+    return leaving
+
+
+def refracted(
+    geometry: Geometry,
+    triangle: Ints,
+    surface: Surface,
+    directions: Floats,
+    arriving: RayDifferentials,
+    footprint: Footprint,
+    widening: Floats,
+    eta: Floats,
+) -> RayDifferentials:
+    """Differentials of rays that are refracted, into directions (N, 3); see `reflected`.
+
+    `eta` (N,) float32, above 0, is the index of refraction where the ray comes from over that where
+    it goes.
+    """
+    leaving = RayDifferentials.empty(len(triangle))
+    continued(geometry, triangle, surface, directions, arriving, footprint, widening, eta, leaving)
+    return leaving
+
+
+def passed_straight(
+    arriving: RayDifferentials, footprint: Footprint, widening: Floats
+) -> RayDifferentials:
+    """Differentials of rays that go on as they came: through thin panes and what is cut out.
+
+    `widening` (N,) is what a rough pane adds.
+    """
+    return RayDifferentials(
+        footprint.dpdx,
+        footprint.dpdy,
+        arriving.direction_dx,
+        arriving.direction_dy,
+        footprint.blur,
+        np.hypot(arriving.widening, widening),
+    )
