@@ -8,15 +8,13 @@ Full anti-aliasing shades all.
 
 import numpy as np
 
-from raysvc import records
 from raysvc.accel.base import Hits
 from raysvc.frame.background import composite
 from raysvc.frame.draft import Draft
 from raysvc.frame.points import Points
 from raysvc.frame.primary import CHUNK, evaluated, traced
-from raysvc.frame.radiance import Lit
-from raysvc.frame.reflections import Reflection, leaving
-from raysvc.lighting.brdf import MIRROR_ROUGHNESS
+from raysvc.frame.reflections import leaving
+from raysvc.frame.shared_rays import beside
 from raysvc.parallel import for_chunks
 from raysvc.raster.edges import edge_mask
 from raysvc.tracing.occlusion import tile_of
@@ -107,25 +105,7 @@ def _shaded(draft: Draft, points: Points, pixels_per_step: float) -> Floats:
     lit = illumination.lit(
         surface, points.footprint, illumination.direct(surface), _visible_at(draft, points)
     )
-    return leaving(lit, _reflected_at(draft, points, lit, pixels_per_step))
-
-
-def _reflected_at(draft: Draft, points: Points, lit: Lit, pixels_per_step: float) -> Reflection:
-    """What samples beside pixel centres mirror: rough ones take their neighbours', others trace."""
-    surface = points.surface
-    radiance, share = draft.gloss.gathered(
-        points.pixel, points.depth, surface.normal, surface.roughness
-    )
-    known = (share >= 0) & (surface.roughness > MIRROR_ROUGHNESS)
-    reflection = Reflection.none(surface.size)._replace(
-        radiance=radiance, share=np.where(known, share, np.float32(0.0))
-    )
-    alone = np.flatnonzero(~known)
-    seen = points.seen(draft.camera, 0, surface.size, pixels_per_step)
-    traced = draft.reflections.of(records.chosen(seen, alone), lit.albedo[alone])
-    reflection.radiance[alone] = traced.radiance
-    reflection.share[alone] = traced.share
-    return reflection
+    return leaving(lit, *beside(draft, points, lit, pixels_per_step))
 
 
 def _shared(place: Longs, triangle: Ints) -> tuple[Longs, Longs]:

@@ -11,7 +11,8 @@ from raysvc.frame.points import Points
 from raysvc.frame.prepared import Prepared
 from raysvc.frame.primary import CHUNK
 from raysvc.frame.radiance import Illumination
-from raysvc.frame.reflections import Reflection, Reflections
+from raysvc.frame.reflections import Reflection, Transmission
+from raysvc.frame.secondary_rays import SecondaryRays
 from raysvc.frame.settings import Settings
 from raysvc.frame.statistics import Ledger
 from raysvc.parallel import Control, map_chunks
@@ -31,7 +32,7 @@ class Draft:
     control: Control
     ledger: Ledger
     illumination: Illumination
-    reflections: Reflections
+    rays: SecondaryRays
     points: Points = field(init=False)
     front: Longs = field(init=False)
     """(H * W,) which point stands for a pixel in the layers, or -1."""
@@ -40,7 +41,11 @@ class Draft:
     """(N,) ambient visibility."""
     visibility: VisibilityPicture = field(init=False)
     reflection: Reflection = field(init=False)
+    transmission: Transmission = field(init=False)
     gloss: GlossPicture = field(init=False)
+    """What rays into the lobes of rough mirrors have brought."""
+    frost: GlossPicture | None = None
+    """What rays through glass have brought; None where there is no glass."""
     radiance: Floats = field(init=False)
     """(N, 3) that leaves the points."""
     beauty: Floats = field(init=False)
@@ -51,6 +56,13 @@ class Draft:
     def shape(self) -> tuple[int, int]:
         """H, W."""
         return self.camera.height, self.camera.width
+
+    def picture(self, values: NDArray[Any], empty: float) -> NDArray[Any]:
+        """Lay out values (N, ...) of the points in front as a picture (H, W, ...)."""
+        seen = self.front >= 0
+        picture = np.full((len(seen), *values.shape[1:]), empty, values.dtype)
+        picture[seen] = values[self.front[seen]]
+        return picture.reshape(*self.shape, *values.shape[1:])
 
     def each(
         self, work: Callable[[int, int], Floats], stage: str, channels: tuple[int, ...]

@@ -6,7 +6,7 @@ emission + sun and punctual lights, shadowed
            for `raysvc.frame.reflections` to say
 
 All of it is darkened where there is varnish, which adds the lights and the environment through its
-own lobe; of the scene it mirrors nothing.
+own lobe.
 """
 
 from typing import NamedTuple
@@ -16,6 +16,7 @@ import numpy as np
 from raysvc.frame.prepared import Prepared
 from raysvc.frame.settings import Settings
 from raysvc.frame.statistics import Ledger
+from raysvc.lighting.boundary_albedo import boundary_albedo
 from raysvc.lighting.clearcoat import Varnish
 from raysvc.lighting.direct import arriving, reflected
 from raysvc.lighting.sun import SunLight
@@ -24,8 +25,12 @@ from raysvc.shading.footprint import Footprint
 from raysvc.shading.surface import Surface
 from raysvc.tracing.occlusion import pattern, visibility
 from raysvc.tracing.reflection import rays_from
-from raysvc.types import Doubles, Floats, Ints
+from raysvc.types import Doubles, Floats, Ints, Longs
 
+GLOSSY = 0.4
+"""Roughness up to which rays alone say what a surface reflects of the scene."""
+MATT = 0.75
+"""Roughness from which they say nothing, and occlusion only darkens the environment's lobe."""
 MIRRORED = slice(None, None, 4)
 """The part of the occlusion pattern that is enough for what is seen in a mirror."""
 FAINT = 0.025
@@ -106,12 +111,19 @@ class Illumination:
         albedo = light.specular_albedo(surface)
         lobe = self._specular_lobe(surface, albedo)
         varnish = Varnish.of(surface)
-        coat = self._specular_lobe(varnish.surface, varnish.share)
-        coat *= specular_occlusion(varnish.surface, visible[varnish.point])[:, None]
+        coat = self.coat_lobe(varnish)
+        gloss = glossiness(varnish.surface.roughness)
+        free = specular_occlusion(varnish.surface, visible[varnish.point])
+        coat *= (gloss + (1.0 - gloss) * free)[:, None]
         varnish.laid_over(radiance, coat)
         varnish.laid_over(lobe, np.zeros_like(coat))
         varnish.laid_over(albedo, np.zeros_like(coat))
         radiance += direct
+        inside = insides(surface)
+        if len(inside):
+            # Nothing of the environment is inside a solid, and there light may be reflected whole.
+            lobe[inside] = 0.0
+            albedo[inside] = boundary_albedo(surface.chosen(inside))[0]
         return Lit(surface, footprint, visible, radiance, lobe, albedo)
 
     def lit_in_mirror(self, surface: Surface, footprint: Footprint) -> Lit:
@@ -120,6 +132,10 @@ class Illumination:
         return self.lit(
             surface, footprint, self.direct(surface), self.occlusion(surface, tile, MIRRORED)
         )
+
+    def coat_lobe(self, varnish: Varnish) -> Floats:
+        """(K, 3) the environment through the lobe of K coats, with nothing in the way."""
+        return self._specular_lobe(varnish.surface, varnish.share)
 
     def _specular_lobe(self, surface: Surface, albedo: Floats) -> Floats:
         """(N, 3) the environment through the specular lobe, by one lookup where that is faint."""
@@ -130,6 +146,21 @@ class Illumination:
             index = np.flatnonzero(chosen)
             lobe[index] = light.specular(surface.chosen(index), lookups)
         return lobe
+
+
+def insides(surface: Surface) -> Longs:
+    """Which of the points are seen from inside of a solid of glass."""
+    glass = surface.glass
+    if not glass.size:
+        return np.zeros(0, np.int64)
+    return np.flatnonzero(glass.solid & ~glass.entering & (surface.transmission > 0))
+
+
+def glossiness(roughness: Floats) -> Floats:
+    """(N,) 1 for surfaces whose reflection rays alone tell, 0 for matt ones, smooth between."""
+    x = np.clip((MATT - roughness) / (MATT - GLOSSY), 0.0, 1.0)
+    smooth: Floats = (x * x * (3.0 - 2.0 * x)).astype(np.float32)
+    return smooth
 
 
 def specular_occlusion(surface: Surface, visible: Floats) -> Floats:

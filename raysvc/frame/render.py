@@ -11,7 +11,7 @@ from raysvc.frame.draft import Draft
 from raysvc.frame.frame import Frame
 from raysvc.frame.prepared import prepare
 from raysvc.frame.radiance import Illumination
-from raysvc.frame.reflections import Reflections
+from raysvc.frame.secondary_rays import SecondaryRays
 from raysvc.frame.settings import Settings, check_cost, checked, settings_from
 from raysvc.frame.stages import STAGES
 from raysvc.frame.statistics import Ledger, Statistics
@@ -73,8 +73,8 @@ def render(
         settings.occlusion_radius or _occlusion_radius(scene),
         ledger,
     )
-    reflections = Reflections(prepared, settings, illumination, ledger)
-    draft = Draft(prepared, resolved, settings, control, ledger, illumination, reflections)
+    rays = SecondaryRays(prepared, settings, illumination, ledger)
+    draft = Draft(prepared, resolved, settings, control, ledger, illumination, rays)
     for name, stage in STAGES[settings.mode]:
         control.check()
         with ledger.stage(name):

@@ -8,10 +8,9 @@ progress, cancelling and the deadline are looked at between them.
 """
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from raysvc import records
 from raysvc.frame.antialias import antialias
@@ -20,13 +19,12 @@ from raysvc.frame.draft import Draft
 from raysvc.frame.paths import paths
 from raysvc.frame.points import front
 from raysvc.frame.primary import CHUNK, points_of, rasterised
-from raysvc.frame.reflections import Reflection, leaving
+from raysvc.frame.reflections import leaving
+from raysvc.frame.shared_rays import trace_beyond
 from raysvc.lens.coc import coc_px
 from raysvc.lens.spread import spread
-from raysvc.parallel import for_chunks, map_chunks
-from raysvc.tracing.gloss import GlossPicture
+from raysvc.parallel import for_chunks
 from raysvc.tracing.occlusion import VisibilityPicture, is_traced, tile_of
-from raysvc.tracing.tile_pattern import place_in_tile, tile_points
 from raysvc.types import Floats, Longs
 
 
@@ -49,21 +47,13 @@ def write_layers(draft: Draft) -> None:
     """Lay out what is known of each pixel's point."""
     points, scene = draft.points, draft.prepared.scene
     draft.layers |= {
-        "depth": _laid_out(draft, points.depth, np.inf),
-        "normal": _laid_out(draft, points.surface.normal, 0.0),
-        "albedo": _laid_out(draft, points.surface.base_colour, 0.0),
-        "id": _laid_out(draft, points.triangle, -1),
-        "object": _laid_out(draft, scene.object_of_triangle[points.triangle], -1),
-        "material": _laid_out(draft, scene.material_of_triangle[points.triangle], -1),
+        "depth": draft.picture(points.depth, np.inf),
+        "normal": draft.picture(points.surface.normal, 0.0),
+        "albedo": draft.picture(points.surface.base_colour, 0.0),
+        "id": draft.picture(points.triangle, -1),
+        "object": draft.picture(scene.object_of_triangle[points.triangle], -1),
+        "material": draft.picture(scene.material_of_triangle[points.triangle], -1),
     }
-
-
-def _laid_out(draft: Draft, values: NDArray[Any], empty: float) -> NDArray[Any]:
-    """Values (N, ...) of the points in front as a picture (H, W, ...)."""
-    seen = draft.front >= 0
-    picture = np.full((len(seen), *values.shape[1:]), empty, values.dtype)
-    picture[seen] = values[draft.front[seen]]
-    return picture.reshape(*draft.shape, *values.shape[1:])
 
 
 def shadows(draft: Draft) -> None:
@@ -135,70 +125,6 @@ def _depth_step(draft: Draft) -> Floats:
     return step.reshape(draft.shape)
 
 
-def reflections(draft: Draft) -> None:
-    """Trace rays from shiny points, and take the mean over neighbours where they are rough."""
-    points, pixels = draft.points, draft.front[draft.front >= 0]
-    in_front = np.zeros(len(points.pixel), np.bool_)
-    in_front[pixels] = True
-    pattern = tile_points(draft.settings.seed)
-
-    def some(begin: int, end: int) -> Reflection:
-        seen = points.seen(draft.camera, begin, end)
-        albedo = draft.prepared.light.specular_albedo(seen.surface)
-        # Points behind others have no neighbours to take a mean with.
-        alone = ~in_front[begin:end]
-        traced = np.empty(end - begin, np.int64)
-        parts: list[Reflection] = []
-        for index, samples in (
-            (np.flatnonzero(~alone), pattern),
-            (np.flatnonzero(alone), None),
-        ):
-            if samples is not None:
-                samples = samples[place_in_tile(points.pixel[begin + index], draft.camera.width)]
-            traced[index] = sum(part.weight.size for part in parts) + np.arange(len(index))
-            some_seen = records.chosen(seen, index)
-            parts.append(draft.reflections.of(some_seen, albedo[index], samples))
-        return records.chosen(records.joined(parts), traced)
-
-    parts = map_chunks(len(points.pixel), CHUNK, some, draft.control, "reflections")
-    draft.reflection = records.joined(parts or [Reflection.none(0)])
-    draft.gloss = _gloss_picture(draft)
-
-    def mean(begin: int, end: int) -> None:
-        index = pixels[begin:end]
-        index = index[draft.reflection.spread_px[index] >= 0]
-        surface = points.surface
-        radiance, share = draft.gloss.gathered(
-            points.pixel[index],
-            points.depth[index],
-            surface.normal[index],
-            surface.roughness[index],
-        )
-        draft.reflection.radiance[index] = radiance
-        draft.reflection.share[index] = np.maximum(share, 0.0)
-
-    for_chunks(len(pixels), CHUNK, mean, draft.control)
-
-
-def _gloss_picture(draft: Draft) -> GlossPicture:
-    """What the rays of the points in front brought, as a picture."""
-    reflection = draft.reflection
-
-    def picture(values: NDArray[Any], empty: float) -> NDArray[Any]:
-        return _laid_out(draft, values.astype(np.float32), empty)
-
-    return GlossPicture(
-        picture(reflection.radiance, 0.0),
-        picture(np.where(reflection.spread_px >= 0, reflection.share, -1.0), -1.0),
-        picture(reflection.weight, 0.0),
-        picture(reflection.spread_px, 0.0),
-        picture(draft.points.surface.roughness, 0.0),
-        draft.layers["depth"],
-        _depth_step(draft),
-        draft.layers["normal"],
-    )
-
-
 def light(draft: Draft) -> None:
     """Add the environment's light, and put points and background together."""
     points = draft.points
@@ -210,7 +136,11 @@ def light(draft: Draft) -> None:
             draft.direct[begin:end],
             draft.visible[begin:end],
         )
-        return leaving(lit, records.rows(draft.reflection, begin, end))
+        return leaving(
+            lit,
+            records.rows(draft.reflection, begin, end),
+            records.rows(draft.transmission, begin, end),
+        )
 
     draft.radiance = radiance = draft.each(some, "light", (3,))
     pixel = np.arange(len(draft.front))
@@ -250,7 +180,7 @@ STAGES: Final = {
         ("layers", write_layers),
         ("shadows", shadows),
         ("occlusion", occlusion),
-        ("reflections", reflections),
+        ("reflections", trace_beyond),
         ("light", light),
         ("edges", antialias),
         ("lens", defocus),

@@ -8,7 +8,7 @@ import numpy as np
 from raysvc.lighting import albedo
 from raysvc.lighting.image_kernels import diffuse_light, specular_light
 from raysvc.lighting.lobe_pattern import cosine_pattern, visible_normal_pattern
-from raysvc.lighting.sphere_kernels import map_radiances
+from raysvc.lighting.sphere_kernels import cone_radiances, map_radiances
 from raysvc.lighting.sphere_table import SphereTable
 from raysvc.lighting.sun import SunLight, extract_sun
 from raysvc.scene import Environment
@@ -60,6 +60,25 @@ class ImageLight:
         """Radiance (N, 3) float32 of the map with its sun, along unit directions (N, 3) float32."""
         result = np.empty((len(directions), 3), np.float32)
         map_radiances(self._map, directions, *self._turn, self._strength, result)
+        return result
+
+    def cone(self, directions: Floats, half_width: Floats) -> Floats:
+        """Mean radiance (N, 3) float32 of cones about unit directions (N, 3).
+
+        half_width (N,) float32 radians; up to the mirror's it is the map, sun included, beyond it
+        is without the sun.
+        """
+        result = np.empty((len(directions), 3), np.float32)
+        cone_radiances(
+            self._table.sharp,
+            self._table.soft,
+            self._map,
+            directions,
+            half_width,
+            *self._turn,
+            self._strength,
+            result,
+        )
         return result
 
     def diffuse(self, surface: Surface, samples: int) -> Floats:

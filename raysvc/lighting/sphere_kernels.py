@@ -226,6 +226,41 @@ def map_radiances(
         result[i, 2] = blue * strength
 
 
+MIRROR_HALF_WIDTH = 2.5e-3
+"""Radians: the lobe of a mirror is 2 MIN_ALPHA wide, and a texel of a map hardly less."""
+MAX_CONE = 3.5
+"""Of a mean, in steradians."""
+
+
+@kernel
+def cone_radiances(
+    sharp: Doubles,
+    soft: Doubles,
+    radiance: Floats,
+    directions: Floats,
+    half_width: Floats,
+    cos_yaw: float,
+    sin_yaw: float,
+    strength: float,
+    result: Floats,
+) -> None:
+    """Write the turned map's mean RGB to `result` (N, 3): over cones of half_width (N,) radians.
+
+    Narrow ones read the map (H, W, 3) itself, others the tables.
+    """
+    for i in range(len(directions)):
+        dx, y, dz = float(directions[i, 0]), float(directions[i, 1]), float(directions[i, 2])
+        x, z = cos_yaw * dx - sin_yaw * dz, sin_yaw * dx + cos_yaw * dz
+        if half_width[i] <= MIRROR_HALF_WIDTH:
+            red, green, blue = map_radiance(radiance, x, y, z)
+        else:
+            angle = min(math.pi * half_width[i] * half_width[i], MAX_CONE)
+            red, green, blue = mean_radiance(sharp, soft, x, y, z, angle)
+        result[i, 0] = red * strength
+        result[i, 1] = green * strength
+        result[i, 2] = blue * strength
+
+
 @kernel
 def spread_to_x_cylinder(radiance: Floats, detail: int, shared: Doubles) -> None:
     """Add the light of a lat-long map (H, W, 3) to `shared` (rows, columns, RGB + solid angle).

@@ -1,0 +1,145 @@
+"""What the picture's points show by rays, those of rough surfaces shared with their neighbours."""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import numpy as np
+
+from raysvc import records
+from raysvc.frame.draft import Draft
+from raysvc.frame.points import Points, Seen
+from raysvc.frame.primary import CHUNK
+from raysvc.frame.radiance import Lit
+from raysvc.frame.reflections import Reflection, Transmission
+from raysvc.lighting.brdf import MIRROR_ROUGHNESS
+from raysvc.parallel import for_chunks, map_chunks
+from raysvc.tracing.gloss import GlossPicture
+from raysvc.tracing.tile_pattern import place_in_tile, tile_points
+from raysvc.types import Bools, Doubles, Floats, Longs
+
+Brought = TypeVar("Brought", Reflection, Transmission)
+
+
+def trace_beyond(draft: Draft) -> None:
+    """Trace rays from shiny points and through glass, and share those of rough surfaces."""
+    points, rays = draft.points, draft.rays
+    light = draft.prepared.light
+
+    def reflected(seen: Seen, samples: Doubles | None) -> Reflection:
+        return rays.reflected(seen, light.specular_albedo(seen.surface), samples)
+
+    draft.reflection = _traced(draft, reflected, Reflection.none)
+    known = draft.reflection.spread_px >= 0
+    draft.gloss = _picture(draft, draft.reflection, np.where(known, draft.reflection.share, -1.0))
+    _share(draft, draft.gloss, draft.reflection, known)
+    draft.transmission = Transmission.none(len(points.pixel))
+    if draft.prepared.tables.glassy:
+        draft.transmission = _traced(draft, rays.transmitted, Transmission.none)
+        known = draft.transmission.spread_px >= 0
+        draft.frost = _picture(draft, draft.transmission, np.where(known, 1.0, -1.0))
+        # A ray that is totally reflected is none, but its pixel shows what the others bring.
+        _share(draft, draft.frost, draft.transmission, draft.transmission.albedo.any(axis=1))
+
+
+def beside(
+    draft: Draft, points: Points, lit: Lit, pixels_per_step: float
+) -> tuple[Reflection, Transmission]:
+    """What samples beside pixel centres show: rough ones as their neighbours do, others by rays.
+
+    `points` stand for `pixels_per_step` of a pixel along either axis.
+    """
+    seen = points.seen(draft.camera, 0, points.surface.size, pixels_per_step)
+    reflection = Reflection.none(points.surface.size)
+    alone = _taken_over(draft.gloss, points, reflection)
+    traced = draft.rays.reflected(records.chosen(seen, alone), lit.albedo[alone])
+    reflection.radiance[alone], reflection.share[alone] = traced.radiance, traced.share
+    reflection.varnish[alone] = traced.varnish
+
+    transmission = Transmission.none(points.surface.size)
+    if draft.frost is not None:
+        through = draft.rays.transmitted(seen)
+        alone = _taken_over(draft.frost, points, transmission)
+        transmission.radiance[alone] = through.radiance[alone]
+        transmission.albedo[:] = through.albedo
+    return reflection, transmission
+
+
+def _taken_over(shared: GlossPicture, points: Points, brought: Brought) -> Longs:
+    """Let rough points take what their neighbours' rays have brought; which are left alone."""
+    surface = points.surface
+    radiance, share = shared.gathered(points.pixel, points.depth, surface.normal, surface.roughness)
+    known = (share >= 0) & (surface.roughness > MIRROR_ROUGHNESS)
+    if surface.coat.size:
+        known &= surface.coat.clearcoat == 0
+    brought.radiance[known] = radiance[known]
+    if isinstance(brought, Reflection):
+        brought.share[known] = share[known]
+    return np.flatnonzero(~known)
+
+
+def _traced(
+    draft: Draft,
+    trace: Callable[[Seen, Doubles | None], Brought],
+    none: Callable[[int], Brought],
+) -> Brought:
+    """What rays of all points bring: into the lobe where a point stands for its pixel."""
+    points = draft.points
+    in_front = np.zeros(len(points.pixel), np.bool_)
+    in_front[draft.front[draft.front >= 0]] = True
+    pattern = tile_points(draft.settings.seed)
+
+    def some(begin: int, end: int) -> Brought:
+        seen = points.seen(draft.camera, begin, end)
+        # Points behind others have no neighbours to share with.
+        front = np.flatnonzero(in_front[begin:end])
+        behind = np.flatnonzero(~in_front[begin:end])
+        place = place_in_tile(points.pixel[begin + front], draft.camera.width)
+        parts = [
+            trace(records.chosen(seen, front), pattern[place]),
+            trace(records.chosen(seen, behind), None),
+        ]
+        order = np.argsort(np.concatenate([front, behind]))
+        return records.chosen(records.joined(parts), order)
+
+    parts = map_chunks(len(points.pixel), CHUNK, some, draft.control, "reflections")
+    return records.joined(parts or [none(0)])
+
+
+def _picture(draft: Draft, brought: Reflection | Transmission, share: Floats) -> GlossPicture:
+    """What the rays of the points in front have brought."""
+
+    def picture(values: Floats, empty: float) -> Floats:
+        return draft.picture(values.astype(np.float32), empty)
+
+    return GlossPicture(
+        picture(brought.radiance, 0.0),
+        picture(share, -1.0),
+        picture(brought.weight, 0.0),
+        picture(brought.spread_px, 0.0),
+        picture(draft.points.surface.roughness, 0.0),
+        draft.layers["depth"],
+        draft.visibility.depth_step,
+        draft.layers["normal"],
+    )
+
+
+def _share(
+    draft: Draft, shared: GlossPicture, brought: Reflection | Transmission, wanted: Bools
+) -> None:
+    """Let those points in front that are `wanted` (N,) take the mean of the rays about them."""
+    points, pixels = draft.points, draft.front[draft.front >= 0]
+    pixels = pixels[wanted[pixels]]
+
+    def mean(begin: int, end: int) -> None:
+        index = pixels[begin:end]
+        radiance, share = shared.gathered(
+            points.pixel[index],
+            points.depth[index],
+            points.surface.normal[index],
+            points.surface.roughness[index],
+        )
+        brought.radiance[index] = radiance
+        if isinstance(brought, Reflection):
+            brought.share[index] = np.maximum(share, 0.0)
+
+    for_chunks(len(pixels), CHUNK, mean, draft.control)
