@@ -38,7 +38,7 @@ def trace_beyond(draft: Draft) -> None:
         known = draft.transmission.spread_px >= 0
         draft.frost = _picture(draft, draft.transmission, np.where(known, 1.0, -1.0))
         # A ray that is totally reflected is none, but its pixel shows what the others bring.
-        _share(draft, draft.frost, draft.transmission, draft.transmission.albedo.any(axis=1))
+        _share(draft, draft.frost, draft.transmission, draft.transmission.albedo.max(axis=1) > 0)
 
 
 def beside(

@@ -214,7 +214,7 @@ class PathTracer:
         lit = np.flatnonzero(contribution.any(axis=1))
         rays = rays_towards(surface, samples.to_light[lit], samples.distance[lit], lit)
         self._count("shadow", len(lit))
-        contribution[lit] *= self._world.transmittance(rays)[:, None]
+        contribution[lit] *= self._world.transmittance(rays, through_glass=False)[:, None]
         return contribution
 
     def _onward(self, wave: Wave, surface: Surface, first: int) -> Wave:

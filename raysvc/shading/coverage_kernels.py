@@ -7,14 +7,19 @@ from raysvc.jit import inlined, kernel
 from raysvc.shading.attribute_kernels import Geometry
 from raysvc.shading.material_table import (
     ALPHA,
+    BASE,
     BASE_SLOT,
     CUTOFF,
+    F0,
     MASK,
+    METALLIC,
     OPAQUE,
+    TRANSMISSION,
+    TRANSMISSION_SLOT,
     MaterialTable,
 )
 from raysvc.shading.slot_kernels import slot_uv
-from raysvc.shading.texel_kernels import COLOUR, TextureTable
+from raysvc.shading.texel_kernels import COLOUR, DATA, TextureTable
 from raysvc.shading.texture_kernels import bilinear
 from raysvc.types import Bools, Floats, Ints
 
@@ -50,6 +55,61 @@ def alpha_of(
     if mode == MASK:
         return 1.0 if alpha >= materials.factors[material, CUTOFF] else 0.0
     return min(max(alpha, 0.0), 1.0)
+
+
+@inlined
+def opacity_of(
+    geometry: Geometry,
+    materials: MaterialTable,
+    textures: TextureTable,
+    triangle: int,
+    u: float,
+    v: float,
+) -> float:
+    """Part of the light that a point keeps from what is behind it: coverage, but little for glass.
+
+    Light goes straight through, as if a solid were a sheet, with the luminance of the glass: where
+    a real one would gather light it is spread evenly.
+    """
+    opacity = alpha_of(geometry, materials, textures, triangle, u, v)
+    material = geometry.material_of_triangle[triangle]
+    factors = materials.factors
+    through = float(factors[material, TRANSMISSION])
+    if through == 0.0 or opacity == 0.0:
+        return opacity
+    weights = (1.0 - u - v, u, v)
+    texture = materials.texture[material, TRANSMISSION_SLOT, 0]
+    if texture >= 0:
+        uv = slot_uv(geometry, materials, material, TRANSMISSION_SLOT, triangle, weights, 1.0)
+        through *= bilinear(textures, texture, uv, DATA)[0]
+    red, green, blue = 1.0, 1.0, 1.0
+    texture = materials.texture[material, BASE_SLOT, 0]
+    if texture >= 0:
+        uv = slot_uv(geometry, materials, material, BASE_SLOT, triangle, weights, 1.0)
+        red, green, blue, _ = bilinear(textures, texture, uv, COLOUR)
+    red *= factors[material, BASE]
+    green *= factors[material, BASE + 1]
+    blue *= factors[material, BASE + 2]
+    through *= (0.2126 * red + 0.7152 * green + 0.0722 * blue) * (1.0 - factors[material, F0])
+    kept: float = opacity * (1.0 - through * (1.0 - factors[material, METALLIC]))
+    return kept
+
+
+@kernel
+def opacities(
+    geometry: Geometry,
+    materials: MaterialTable,
+    textures: TextureTable,
+    triangle: Ints,
+    barycentric: Floats,
+    opacity: Floats,
+) -> None:
+    """Fill opacity (N,) of points at triangle (N,) and barycentric (N, 2); 0 where it is -1."""
+    for n in range(len(triangle)):
+        opacity[n] = 0.0
+        if triangle[n] >= 0:
+            u, v = np.float64(barycentric[n, 0]), np.float64(barycentric[n, 1])
+            opacity[n] = opacity_of(geometry, materials, textures, triangle[n], u, v)
 
 
 @kernel

@@ -7,7 +7,7 @@ import numpy as np
 
 from raysvc.scene import Scene
 from raysvc.shading.attribute_kernels import Geometry
-from raysvc.shading.coverage_kernels import alphas, coverages
+from raysvc.shading.coverage_kernels import alphas, coverages, opacities
 from raysvc.shading.footprint import Footprint
 from raysvc.shading.glass_kernels import evaluate_glass
 from raysvc.shading.material_table import MaterialTable, material_table
@@ -43,6 +43,8 @@ class SceneTables:
     """(F,) bool: seen from both sides, as boundaries of solids always are."""
     blended: Bools
     """(F,) bool: of a material that is blended with what is behind it."""
+    clear: Bools
+    """(F,) bool: of a material that transmits light."""
     coated: bool
     """Some material has varnish: surfaces have a `Coat`."""
     glassy: bool
@@ -71,6 +73,7 @@ class SceneTables:
             (modes == "opaque")[material],
             double[material],
             (modes == "blend")[material],
+            np.array([m.transmission > 0.0 for m in scene.materials] or [False])[material],
             any(m.clearcoat > 0.0 for m in scene.materials),
             any(m.transmission > 0.0 for m in scene.materials),
         )
@@ -80,6 +83,12 @@ class SceneTables:
         alpha = np.empty(len(triangle), np.float32)
         alphas(self.geometry, self.materials, self.textures, triangle, barycentric, alpha)
         return alpha
+
+    def opacity(self, triangle: Ints, barycentric: Floats) -> Floats:
+        """(N,) float32: as `alpha`, but little for glass, which lets light through."""
+        opacity = np.empty(len(triangle), np.float32)
+        opacities(self.geometry, self.materials, self.textures, triangle, barycentric, opacity)
+        return opacity
 
     def coverage(self, triangle: Ints, barycentric: Floats, directions: Floats) -> Floats:
         """(N,) alpha of points that rays (N, 3) see: 0 where they see a single-sided back."""

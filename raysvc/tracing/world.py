@@ -22,8 +22,8 @@ HALF_SEEN = 0.5
 class World:
     """A scene's triangles in acceleration structures.
 
-    Triangles with holes (of masked or blended materials) are in a structure of their own: the
-    others, usually nearly all, are then asked once and with the cheapest question.
+    Triangles with holes (of masked, blended or clear materials) are in a structure of their own:
+    the others, usually nearly all, are then asked once and with the cheapest question.
     """
 
     def __init__(
@@ -38,8 +38,9 @@ class World:
         self._tables = tables
         self._triangles = Triangles(scene.positions, scene.triangles)
         group = scene.material_of_triangle if trees == "per_material" else None
-        self._solid = _Part.built(self._triangles, tables.solid, self.structure, group, False)
-        holed = ~tables.solid
+        # Shadows go through glass, so it is with what has holes.
+        holed = ~tables.solid | tables.clear
+        self._solid = _Part.built(self._triangles, ~holed, self.structure, group, False)
         self._holed = (
             _Part.built(self._triangles, holed, self.structure, group, True)
             if holed.any()
@@ -81,7 +82,9 @@ class World:
         seen = np.full(len(rays), -1, np.int32)
         march = March(rays, rays.t_max, np.arange(len(rays)))
         for _ in range(MAX_HOLES):
-            found, alpha = self._next_holed(tree, march)
+            some = march.ahead()
+            found = hits_on(self._triangles, tree.nearest_triangle(some), some)
+            alpha = self._tables.alpha(found.triangle, found.barycentric)
             met = found.triangle >= 0
             stops = met & (alpha >= HALF_SEEN)
             seen[march.active[stops]] = found.triangle[stops]
@@ -164,26 +167,27 @@ class World:
             np.where(nearer[:, None], other.barycentric, hits.barycentric),
         )
 
-    def transmittance(self, rays: Rays) -> Floats:
-        """(R,) float32: the part of the light that comes through along each ray within 0..t_max."""
+    def transmittance(self, rays: Rays, through_glass: bool = True) -> Floats:
+        """(R,) float32: the part of the light that comes through along each ray within 0..t_max.
+
+        Straight through glass, which does not bend it; nothing comes that way if not
+        `through_glass`, for those who follow how it is bent.
+        """
+        coverage = self._tables.opacity if through_glass else self._tables.alpha
         through = np.where(self._solid.tree.occluded(rays), 0.0, 1.0).astype(np.float32)
         if self._holed is None:
             return through
         march = March(rays, rays.t_max, np.flatnonzero(through > 0))
         for _ in range(MAX_HOLES):
-            found, alpha = self._next_holed(self._holed, march)
+            some = march.ahead()
+            found = hits_on(self._triangles, self._holed.nearest_triangle(some), some)
+            alpha = coverage(found.triangle, found.barycentric)
             active, new = march.active, march.is_new(found)
             through[active[new]] *= 1.0 - alpha[new]
             march.go_on(found, (found.triangle >= 0) & (through[active] > 0))
             if not len(march.active):
                 break
         return through
-
-    def _next_holed(self, part: "_Part", march: March) -> tuple[Hits, Floats]:
-        """Nearest holed triangle of marching rays, with t from where they are, and its coverage."""
-        some = march.ahead()
-        hits = hits_on(self._triangles, part.nearest_triangle(some), some)
-        return hits, self._tables.alpha(hits.triangle, hits.barycentric)
 
 
 class _Part:
