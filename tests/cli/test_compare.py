@@ -1,12 +1,10 @@
 import json
 from pathlib import Path
-from typing import get_args
 
 import pytest
 from PIL import Image
 
 from raysvc.cli.app import run
-from raysvc.frame.settings import Settings
 
 Capture = pytest.CaptureFixture[str]
 COMPARE = ["compare", "builtin:cornell", "--count", "200", "--rounds", "1"]
@@ -38,18 +36,6 @@ def test_the_suffix_names_the_table(suffix: str, tmp_path: Path) -> None:
     assert "brute" in path.read_text()
 
 
-@pytest.fixture
-def reference_mode(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two hybrid pictures are compared where there is no reference mode."""
-    if "reference" not in get_args(Settings.model_fields["mode"].annotation):
-
-        def smooth(settings: Settings, samples: int | None = None) -> Settings:
-            return settings.model_copy(update={"aa": "full", "aa_samples": samples or 2})
-
-        for place in ("raysvc.compare.picture_comparison", "raysvc.cli.compare_pictures"):
-            monkeypatch.setattr(f"{place}.reference_settings", smooth)
-
-
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
@@ -77,7 +63,6 @@ def test_wrong_words_for_pictures_are_refused(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.usefixtures("reference_mode")
 def test_a_picture_is_compared_with_its_reference(tmp_path: Path, capsys: Capture) -> None:
     picture, figures = tmp_path / "p.png", tmp_path / "f.json"
     words = ["compare", "builtin:cornell", "--pictures", str(picture), "-o", str(figures)]

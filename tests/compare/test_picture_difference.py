@@ -1,12 +1,10 @@
 import dataclasses
 import json
-from typing import get_args
 
 import numpy as np
 import pytest
 
 import raysvc
-from raysvc.compare import picture_comparison
 from raysvc.compare.picture_comparison import (
     compare_pictures,
     difference_picture,
@@ -35,17 +33,6 @@ def between(picture, reference, **more):
 @pytest.fixture(scope="module")
 def cornell():
     return raysvc.load("builtin:cornell")
-
-
-@pytest.fixture
-def reference_mode(monkeypatch):
-    """Two hybrid pictures are compared where there is no reference mode."""
-    if "reference" not in get_args(Settings.model_fields["mode"].annotation):
-
-        def smooth(settings, samples=None):
-            return settings.model_copy(update={"aa": "full", "aa_samples": samples or 2})
-
-        monkeypatch.setattr(picture_comparison, "reference_settings", smooth)
 
 
 def test_a_picture_is_as_its_reference_when_it_is_the_same(rng):
@@ -142,7 +129,7 @@ def test_two_frames_are_compared_as_the_first_displays_them(cornell):
     assert 0.0 < found.figures.flip < 0.2
 
 
-def test_a_picture_is_compared_with_its_reference(cornell, reference_mode):
+def test_a_picture_is_compared_with_its_reference(cornell):
     settings = {"occlusion_samples": 4, "threads": 2}
     environment = raysvc.load_environment("builtin:gradient")
     compared = compare_pictures(cornell, environment, VIEW, settings, 2)
@@ -158,7 +145,7 @@ def test_a_picture_is_compared_with_its_reference(cornell, reference_mode):
     np.testing.assert_array_equal(compared.difference.picture, frame.display()[..., :3])
 
 
-def test_the_default_light_is_named(cornell, reference_mode):
+def test_the_default_light_is_named(cornell):
     compared = compare_pictures(cornell, camera=VIEW, samples=1, source="builtin:cornell")
     assert compared.environment == "builtin:clear_sky"
     assert compared.scene == "builtin:cornell"
@@ -168,10 +155,6 @@ def test_the_reference_shows_the_same_thing_in_its_own_way():
     asked = Settings(
         bounces=0, exposure_stops=1.0, background=(1.0, 0.0, 0.0), lens="none", threads=3
     )
-    if "reference" not in get_args(Settings.model_fields["mode"].annotation):
-        with pytest.raises(InvalidSetting, match="mode"):
-            reference_settings(asked, 7)
-        return
     true = reference_settings(asked, 7)
     assert true.mode == "reference" and true.samples == 7
     assert true.bounces == Settings().bounces
