@@ -1,6 +1,7 @@
 """A bounding interval hierarchy: two planes a node, and each triangle once."""
 
 import time
+from dataclasses import replace
 from typing import Final, Literal
 
 import numpy as np
@@ -16,7 +17,7 @@ from raysvc.accel.bih_build_kernels import (
     grow_interval_tree,
 )
 from raysvc.accel.bih_kernels import BihArrays
-from raysvc.accel.binary_tree import TreeShape, sah_tree
+from raysvc.accel.binary_tree import BinaryTree, TreeShape, sah_tree
 from raysvc.accel.corner_kernels import TRIANGLE_BYTES, bounds_of, corners_of
 from raysvc.accel.queries import Queries, QueryKernels
 from raysvc.accel.report import Counters, Query
@@ -58,19 +59,24 @@ class Bih:
     """A step fetches a node; an inner one has two planes tested, and the nearer child is first.
 
     With split=middle it is that of Waechter and Keller 2006, built in a third of the time; with
-    split=sah rays take less of it.
+    split=sah rays take less of it, and it can be refitted: planes move, axes and order stay.
     """
 
     state_bytes = 20 * (MAX_DEPTH + 2)
     """The stack's nodes and intervals."""
-    refits = False
 
-    def __init__(self, triangles: Triangles, params: BihParams) -> None:
+    def __init__(
+        self, triangles: Triangles, params: BihParams, tree: BinaryTree | None = None
+    ) -> None:
+        """Build, or take a hierarchy of boxes that has been built with these parameters."""
         start = time.perf_counter()
         self._triangles = triangles
         self._params = params
-        build = _by_area if params.split == "sah" else _by_middle
-        words, self._shape, corners = build(triangles, params)
+        self._shape: TreeShape
+        if params.split == "sah":
+            words, self._shape, corners = _by_area(tree or _boxes(triangles, params))
+        else:
+            words, self._shape, corners = _by_middle(triangles, params)
         order = self._shape.order
         box = self._shape.boxes[:6].astype(np.float64)
         arrays = BihArrays(words.view(np.float32), words, corners, order, box)
@@ -78,6 +84,11 @@ class Bih:
         seconds = time.perf_counter() - start
         count = len(triangles.indices)
         self.report = self._shape.report(count, seconds, words.nbytes, order.nbytes)
+
+    @property
+    def refits(self) -> bool:
+        """Does `refitted` keep the tree? Only one that was split by area."""
+        return isinstance(self._shape, BinaryTree)
 
     def shape(self) -> TreeShape:
         """Return the cells, as the planes bound them, and their triangles, for measures.
@@ -99,13 +110,21 @@ class Bih:
         return self._queries.counted(rays, query)
 
     def refitted(self, positions: Floats) -> "Bih":
-        """Build anew with the moved vertices, positions (V, 3)."""
-        return Bih(Triangles(positions, self._triangles.indices), self._params)
+        """Return the same tree with the planes of moved vertices, positions (V, 3); by voxels it is
+        built anew.
+        """
+        start = time.perf_counter()
+        moved, tree = Triangles(positions, self._triangles.indices), None
+        if isinstance(self._shape, BinaryTree):
+            tree = self._shape.refitted(positions, moved.indices)
+        refitted = Bih(moved, self._params, tree)
+        refitted.report = refitted.report.since(start)
+        return refitted
 
 
-def _by_area(triangles: Triangles, params: BihParams) -> tuple[Ints, TreeShape, Floats]:
-    """Nodes, cells and corners of a hierarchy of boxes by the surface area heuristic."""
-    tree = sah_tree(
+def _boxes(triangles: Triangles, params: BihParams) -> BinaryTree:
+    """A hierarchy of boxes by the surface area heuristic."""
+    return sah_tree(
         triangles.positions,
         triangles.indices,
         params.bins,
@@ -113,6 +132,10 @@ def _by_area(triangles: Triangles, params: BihParams) -> tuple[Ints, TreeShape, 
         params.traversal_cost,
         1.0,
     )
+
+
+def _by_area(tree: BinaryTree) -> tuple[Ints, BinaryTree, Floats]:
+    """Nodes, cells and corners of a hierarchy of boxes."""
     cells = np.empty_like(tree.boxes)
     words = np.empty(4 * NODE_WORDS * len(tree.left), np.int32)
     filled = lay_out_intervals(
@@ -125,8 +148,7 @@ def _by_area(triangles: Triangles, params: BihParams) -> tuple[Ints, TreeShape, 
         words.view(np.float32),
         words,
     )
-    shape = TreeShape(cells, tree.left, tree.first, tree.count, tree.order)
-    return words[: NODE_WORDS * filled].copy(), shape, tree.corners
+    return words[: NODE_WORDS * filled].copy(), replace(tree, boxes=cells), tree.corners
 
 
 def _by_middle(triangles: Triangles, params: BihParams) -> tuple[Ints, TreeShape, Floats]:

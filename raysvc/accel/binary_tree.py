@@ -7,7 +7,7 @@ import numpy as np
 from raysvc.accel.corner_kernels import bounds_of, corners_of
 from raysvc.accel.report import BuildReport
 from raysvc.accel.sah_kernels import grow_sah_tree
-from raysvc.accel.tree_kernels import figures_of, refit_boxes
+from raysvc.accel.tree_kernels import figures_of, order_children, refit_boxes
 from raysvc.types import Floats, Ints
 
 
@@ -66,11 +66,20 @@ class BinaryTree(TreeShape):
     corners: Floats
 
     def refitted(self, positions: Floats, indices: Ints) -> "BinaryTree":
-        """Return the same tree with boxes and corners of moved vertices."""
+        """Return the tree of the same leaves with boxes and corners of moved vertices.
+
+        Children may change places, and the axis along which they are told apart.
+        """
         corners = corners_of(positions, indices, self.order)
         boxes = np.empty_like(self.boxes)
         refit_boxes(corners, self.left, self.first, self.count, boxes)
-        return replace(self, boxes=boxes, corners=corners)
+        left, first, count, axis = (
+            array.copy() for array in (self.left, self.first, self.count, self.axis)
+        )
+        order_children(boxes, left, first, count, axis)
+        return replace(
+            self, boxes=boxes, corners=corners, left=left, first=first, count=count, axis=axis
+        )
 
 
 EMPTY = BinaryTree(

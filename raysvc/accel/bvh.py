@@ -97,8 +97,11 @@ class Bvh:
 
     def refitted(self, positions: Floats) -> "Bvh":
         """Return the same hierarchy with the boxes of moved vertices, positions (V, 3)."""
+        start = time.perf_counter()
         moved = Triangles(positions, self._triangles.indices)
-        return Bvh(moved, self._params, self.tree.refitted(positions, moved.indices))
+        refitted = Bvh(moved, self._params, self.tree.refitted(positions, moved.indices))
+        refitted.report = refitted.report.since(start)
+        return refitted
 
 
 def tree_of(triangles: Triangles, params: BvhParams) -> BinaryTree:

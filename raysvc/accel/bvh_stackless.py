@@ -93,6 +93,8 @@ class BvhStackless:
 
     def refitted(self, positions: Floats) -> "BvhStackless":
         """Return the same hierarchy with the boxes of moved vertices, positions (V, 3)."""
+        start = time.perf_counter()
         moved = Triangles(positions, self._triangles.indices)
-        tree = self.tree.refitted(positions, moved.indices)
-        return BvhStackless(moved, self._params, tree)
+        refitted = BvhStackless(moved, self._params, self.tree.refitted(positions, moved.indices))
+        refitted.report = refitted.report.since(start)
+        return refitted

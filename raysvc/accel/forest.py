@@ -46,7 +46,8 @@ class Forest:
         self.trees: Sequence[Accelerator] = [
             build(name, part, parameters) for part in parts or [triangles]
         ]
-        self.report = _joined(self.trees, _areas(parts or [triangles]), len(triangles.indices))
+        reports = [tree.report for tree in self.trees]
+        self.report = joined_report(reports, parts or [triangles])
 
     @property
     def state_bytes(self) -> int | None:
@@ -98,7 +99,7 @@ class Forest:
         moved.numbers = self.numbers
         moved.trees = [tree.refitted(positions) for tree in self.trees]
         parts = [Triangles(positions, self._triangles.indices[n]) for n in self.numbers]
-        moved.report = _joined(moved.trees, _areas(parts), len(self._triangles.indices))
+        moved.report = joined_report([tree.report for tree in moved.trees], parts)
         return moved
 
 
@@ -129,23 +130,12 @@ def _added(total: Counters | None, more: Counters, asked: Any, count: int) -> Co
     return Counters(**values)
 
 
-def _areas(parts: Sequence[Triangles]) -> Doubles:
-    """(K + 1,) half areas of the parts' boxes, and of the box of everything."""
-    boxes = []
-    for part in parts:
-        used = part.positions[part.indices.reshape(-1)].astype(np.float64)
-        boxes.append([used.min(axis=0), used.max(axis=0)] if len(used) else np.zeros((2, 3)))
-    box = np.array(boxes)
-    both = np.concatenate([box, [[box[:, 0].min(axis=0), box[:, 1].max(axis=0)]]])
-    size = both[:, 1] - both[:, 0]
-    area: Doubles = size[:, 0] * size[:, 1] + size[:, 1] * size[:, 2] + size[:, 2] * size[:, 0]
-    return area
-
-
-def _joined(trees: Sequence[Accelerator], areas: Doubles, triangles: int) -> BuildReport:
-    """Reports of trees as one: sums, greatest depth, means over leaves, and the cost of a ray that
-    meets the box of everything. EPO and LCV are measured elsewhere."""
-    reports = [tree.report for tree in trees]
+def joined_report(reports: Sequence[BuildReport], parts: Sequence[Triangles]) -> BuildReport:
+    """Reports of trees over disjoint parts as one: sums, greatest depth, means over leaves, and the
+    cost of a ray that meets the box of everything. EPO and LCV are measured elsewhere."""
+    if len(reports) == 1:
+        return reports[0]
+    triangles = sum(report.triangles for report in reports)
     seconds = sum(report.build_ms for report in reports)
     if any(report.leaves is None for report in reports):
         return BuildReport(triangles, build_ms=seconds)
@@ -156,7 +146,8 @@ def _joined(trees: Sequence[Accelerator], areas: Doubles, triangles: int) -> Bui
     leaves, empty, references = total("leaves"), total("empty_leaves"), total("triangle_references")
     depths = sum((r.mean_depth or 0.0) * (r.leaves or 0) for r in reports)
     costs = [r.sah_cost for r in reports]
-    reached = areas[:-1] / areas[-1] if areas[-1] > 0 else np.ones(len(trees))
+    areas = _half_areas(parts)
+    reached = areas[:-1] / areas[-1] if areas[-1] > 0 else np.ones(len(reports))
     size = total("node_bytes") + total("index_bytes")
     return BuildReport(
         triangles,
@@ -177,3 +168,16 @@ def _joined(trees: Sequence[Accelerator], areas: Doubles, triangles: int) -> Bui
         if all(c is not None for c in costs)
         else None,
     )
+
+
+def _half_areas(parts: Sequence[Triangles]) -> Doubles:
+    """(K + 1,) half areas of the parts' boxes, and of the box of everything; 0 of nothing."""
+    boxes = np.full((len(parts) + 1, 2, 3), np.array([[np.inf], [-np.inf]]))
+    for box, part in zip(boxes, parts, strict=False):
+        used = part.positions[part.indices.reshape(-1)]
+        if len(used):
+            box[:] = used.min(axis=0), used.max(axis=0)
+    boxes[-1] = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+    x, y, z = np.maximum(boxes[:, 1] - boxes[:, 0], 0.0).T
+    area: Doubles = x * y + y * z + z * x
+    return area

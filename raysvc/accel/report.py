@@ -2,7 +2,8 @@
 compared by.
 """
 
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from raysvc.types import Ints, Longs
@@ -12,7 +13,7 @@ Query = Literal["nearest", "occluded"]
 
 @dataclass(frozen=True, slots=True)
 class BuildReport:
-    """What building cost; a number that cannot be seen from outside is None.
+    """What building, or refitting, cost; a number that cannot be seen from outside is None.
 
     Depths are of leaves, the root's being 0. `sah_cost` is (sum over inner nodes of A + sum over
     leaves of A * triangles) / A of the root, A being a box's area: one step and one triangle cost
@@ -43,6 +44,10 @@ class BuildReport:
     def seconds(self) -> float:
         """Time that building took."""
         return self.build_ms / 1000.0
+
+    def since(self, start: float) -> "BuildReport":
+        """Return the report of work that began at `start`, by time.perf_counter."""
+        return replace(self, build_ms=1000.0 * (time.perf_counter() - start))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
