@@ -174,9 +174,9 @@ def _half_areas(parts: Sequence[Triangles]) -> Doubles:
     """(K + 1,) half areas of the parts' boxes, and of the box of everything; 0 of nothing."""
     boxes = np.full((len(parts) + 1, 2, 3), np.array([[np.inf], [-np.inf]]))
     for box, part in zip(boxes, parts, strict=False):
-        used = part.positions[part.indices.reshape(-1)]
-        if len(used):
-            box[:] = used.min(axis=0), used.max(axis=0)
+        by_axis = np.ascontiguousarray(part.positions[part.indices.reshape(-1)].T)
+        if by_axis.size:
+            box[:] = by_axis.min(axis=1), by_axis.max(axis=1)
     boxes[-1] = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
     x, y, z = np.maximum(boxes[:, 1] - boxes[:, 0], 0.0).T
     area: Doubles = x * y + y * z + z * x

@@ -1,58 +1,23 @@
 """What is made once for a scene or environment and serves many frames."""
 
-import threading
 import time
-import weakref
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
 
+from raysvc.frame.kept import Kept
 from raysvc.frame.settings import Settings
+from raysvc.frame.shapes import fit_of, tables_of
 from raysvc.lighting.image_light import ImageLight
 from raysvc.reference.emitters import Emitters
 from raysvc.reference.environment import EnvironmentLight
 from raysvc.reference.paths import Lights
 from raysvc.scene import Environment, Scene
 from raysvc.shading.scene_tables import SceneTables
+from raysvc.tracing.fitting import Fit
 from raysvc.tracing.world import World
 
-Owner = TypeVar("Owner")
-Made = TypeVar("Made")
-
-
-class _Kept(Generic[Owner, Made]):
-    """Things made from an owner and a key, kept as long as the owner lives; the last few keys of
-    each."""
-
-    KEYS = 4
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._made: weakref.WeakKeyDictionary[Owner, dict[object, Made]] = (
-            weakref.WeakKeyDictionary()
-        )
-
-    def get(self, owner: Owner, key: object, make: Callable[[], Made]) -> tuple[Made, bool]:
-        """Return what was made earlier and True, or make it."""
-        with self._lock:
-            made = self._made.get(owner, {})
-            if key in made:
-                made[key] = made.pop(key)  # most recently used last
-                return made[key], True
-        thing = make()
-        with self._lock:
-            made = self._made.setdefault(owner, {})
-            made[key] = thing
-            while len(made) > self.KEYS:
-                del made[next(iter(made))]
-        return thing, False
-
-
-_TABLES: _Kept[Scene, SceneTables] = _Kept()
-_WORLDS: _Kept[Scene, World] = _Kept()
-_LIGHTS: _Kept[Environment, ImageLight] = _Kept()
-_SKIES: _Kept[Environment, EnvironmentLight] = _Kept()
-_EMITTERS: _Kept[Scene, Emitters] = _Kept()
+_LIGHTS: Kept[Environment, ImageLight] = Kept()
+_SKIES: Kept[Environment, EnvironmentLight] = Kept()
+_EMITTERS: Kept[Scene, Emitters] = Kept()
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +26,7 @@ class Prepared:
 
     scene: Scene
     tables: SceneTables
-    world: World
+    fit: Fit
     light: ImageLight
     path_lights: Lights | None
     """What paths look for; only in reference mode."""
@@ -70,19 +35,21 @@ class Prepared:
     cached: bool
     """Nothing had to be made."""
 
+    @property
+    def world(self) -> World:
+        """What answers the scene's rays."""
+        return self.fit.world
+
 
 def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepared:
     """Make, or find again, the tables and structures of a scene and the filters of an
     environment."""
     start = time.perf_counter()
-    structure, trees = settings.structure, settings.trees
     turned = settings.environment_yaw_deg, settings.environment_strength
-    tables, had_tables = _TABLES.get(scene, None, lambda: SceneTables.of(scene))
-    world, had_world = _WORLDS.get(
-        scene, (structure, trees), lambda: World(scene, tables, structure, trees)
-    )
+    tables, had_tables = tables_of(scene)
+    fit, had_fit = fit_of(scene, tables, settings.structure, settings.trees)
     light, had_light = _LIGHTS.get(environment, turned, lambda: ImageLight(environment, *turned))
-    cached = had_tables and had_world and had_light
+    cached = had_tables and had_fit and had_light
     path_lights = None
     if settings.mode == "reference":
         sky, had_sky = _SKIES.get(
@@ -92,4 +59,4 @@ def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepa
         path_lights = Lights(sky, emitters, scene.lights)
         cached = cached and had_sky and had_emitters
     seconds = time.perf_counter() - start
-    return Prepared(scene, tables, world, light, path_lights, seconds, cached)
+    return Prepared(scene, tables, fit, light, path_lights, seconds, cached)

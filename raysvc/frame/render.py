@@ -50,7 +50,8 @@ def render(
         settings'
 
     The same arguments give the same bytes, whatever the number of threads. Tables and structures
-    of a scene and environment are kept as long as those objects live, so a second frame is faster.
+    of a scene and environment are kept as long as those objects live, so a second frame is faster;
+    those of deformed shapes of a scene until another shape is asked for, whose trees are refitted.
 
     Raises InvalidSetting, LimitExceeded, Unavailable, Cancelled, DeadlineExceeded.
     """
@@ -90,7 +91,11 @@ def render(
         rays=ledger.rays,
         bounces=ledger.bounces,
         shading=ledger.shading_cost(resolved.width * resolved.height),
-        build={"seconds": prepared.seconds, "cached": prepared.cached},
+        build={
+            "seconds": prepared.seconds,
+            "cached": prepared.cached,
+            **prepared.fit.figures(),
+        },
         edge_fraction=ledger.edge_fraction,
         max_coc_px=ledger.max_coc_px,
         warnings=(*scene.warnings, *environment.warnings, *ledger.warnings),

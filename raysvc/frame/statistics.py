@@ -63,9 +63,11 @@ class Statistics:
     """What each bounce of reflections took and brought."""
     shading: ShadingCost
     """How what reflected rays met was found and shaded."""
-    build: dict[str, float | bool]
+    build: dict[str, float | bool | None]
     """`seconds` that the structures and tables took, and whether they were `cached` from an
-    earlier frame."""
+    earlier frame; whether the trees were `refitted` from another shape of the scene, their
+    `sah_cost`, that when they were built, the ratio of the two, and the ratio for which refitting
+    was refused and they were built anew. Costs that cannot be seen are None."""
     edge_fraction: float
     """Part of the pixels that were anti-aliased."""
     max_coc_px: float

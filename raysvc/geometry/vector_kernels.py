@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from raysvc.jit import inlined
-from raysvc.types import Floats
+from raysvc.types import Doubles, Floats
 
 Vec3 = tuple[float, float, float]
 
@@ -42,6 +42,6 @@ def unit_or(a: Vec3, other: Vec3) -> Vec3:
 
 
 @inlined
-def row3(array: Floats, row: int) -> Vec3:
+def row3(array: Floats | Doubles, row: int) -> Vec3:
     """Row of an (N, 3) array as doubles; Numba's float() would leave it single."""
     return (np.float64(array[row, 0]), np.float64(array[row, 1]), np.float64(array[row, 2]))

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from raysvc.errors import InvalidScene
-from raysvc.loading.welding import crease_normals, welded
+from raysvc.geometry.places import welded
+from raysvc.loading.welding import crease_normals
 from raysvc.scene import Material, Scene, Texture
 from raysvc.types import Doubles, Ints, Longs
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from raysvc.geometry.places import welded
 from raysvc.types import Bools, Doubles, Ints, Longs
 
 CREASE_DEG = 60.0
@@ -54,16 +55,6 @@ def crease_normals(
     unique, inverse = np.unique(pairs, return_inverse=True)
     source, group = np.divmod(unique, len(sums))
     return source, inverse.reshape(-1, 3).astype(np.int32), normals[group]
-
-
-def welded(positions: Doubles) -> Longs:
-    """(V,) number of the place where each of (V, 3) vertices is, as float32 tells places apart."""
-    rows = (positions.astype(np.float32) + np.float32(0.0)).view(np.uint32)  # -0 becomes +0
-    order = np.lexsort(rows.T)
-    changed = np.any(np.diff(rows[order], axis=0) != 0, axis=1)
-    places = np.empty(len(rows), np.int64)
-    places[order] = np.concatenate([[0], np.cumsum(changed)])
-    return places
 
 
 def _face_normals(corners: Doubles) -> Doubles:

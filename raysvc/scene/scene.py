@@ -1,13 +1,15 @@
 """The scene: one set of world-space triangles with everything needed to shade them."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from raysvc.errors import InvalidScene
 from raysvc.scene.camera import SceneCamera
 from raysvc.scene.light import PunctualLight
 from raysvc.scene.material import Material
+from raysvc.scene.rest_shape import RestShape, given_normals, moved_positions
 from raysvc.scene.texture import Texture
 from raysvc.types import Doubles, Floats, Ints
 
@@ -39,6 +41,8 @@ class Scene:
         (F, 3) int32 indices of vertices
     material_of_triangle, object_of_triangle
         (F,) int32: index into `materials`; number of the instance that the triangle came from
+    rest
+        the shape that this scene, and those that are deformed from it, were first made in
     """
 
     positions: Floats
@@ -55,6 +59,7 @@ class Scene:
     cameras: tuple[SceneCamera, ...] = ()
     name: str = ""
     warnings: tuple[str, ...] = ()
+    rest: RestShape = field(init=False, repr=False)
     _bounds: Doubles = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -84,6 +89,8 @@ class Scene:
         _check_indices(self.triangles, vertices, "triangles")
         _check_indices(self.material_of_triangle, len(self.materials), "material_of_triangle")
         object.__setattr__(self, "_bounds", _bounds_of(self.positions, self.triangles))
+        rest = RestShape(self.positions, self.normals, self.tangents, self.triangles)
+        object.__setattr__(self, "rest", rest)
         for number, material in enumerate(self.materials):
             if not all(abs(x) <= LARGEST for x in material.numbers()):
                 raise InvalidScene("has numbers beyond float32", f"materials[{number}]")
@@ -99,14 +106,47 @@ class Scene:
         """(2, 3) float64 least and greatest corner of the triangles; a unit box about 0 if none."""
         return self._bounds
 
+    @property
+    def is_deformed(self) -> bool:
+        """Is this a shape that `deformed` returned?"""
+        return self.rest.positions is not self.positions
+
+    def deformed(self, positions: ArrayLike, normals: ArrayLike | None = None) -> "Scene":
+        """Return the scene with its vertices elsewhere; all else, and this scene, stay as they are.
+
+        It does not matter whether it is asked of the scene as it was made or of a deformed one:
+        normals and tangents are always carried from the shape at rest (see `RestShape`), so that
+        nothing adds up over the frames of an animation. Its structures are refitted from those of
+        another shape where there are any.
+
+        Parameters
+        ----------
+        positions
+            (V, 3) numbers, in the order of `positions`, in metres
+        normals
+            (V, 3) directions of any length, if they are known; for this shape only
+
+        Raises
+        ------
+        InvalidScene
+            another shape than (V, 3); NaN or infinite; a coordinate beyond 1e18 m; a normal of
+            length 0
+        """
+        moved = moved_positions(positions, len(self.positions))
+        known = None if normals is None else given_normals(normals, len(self.positions))
+        carried, tangents = self.rest.carried(moved, known)
+        scene = replace(self, positions=moved, normals=carried, tangents=tangents)
+        object.__setattr__(scene, "rest", self.rest)
+        return scene
+
 
 def _bounds_of(positions: Floats, triangles: Ints) -> Doubles:
     if not len(triangles):
         return np.array([[-0.5] * 3, [0.5] * 3])
     used = np.zeros(len(positions), np.bool_)
     used[triangles] = True
-    corners = positions[used]
-    return np.stack([corners.min(axis=0), corners.max(axis=0)]).astype(np.float64)
+    by_axis = np.ascontiguousarray(positions[used].T)  # NumPy's minimum over rows takes far longer
+    return np.stack([by_axis.min(axis=1), by_axis.max(axis=1)]).astype(np.float64)
 
 
 def _check_indices(indices: Ints, count: int, name: str) -> None:

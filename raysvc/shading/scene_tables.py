@@ -1,6 +1,6 @@
 """A scene as shading reads it: tables of geometry, materials and textures; surfaces from them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -77,6 +77,13 @@ class SceneTables:
             any(m.clearcoat > 0.0 for m in scene.materials),
             any(m.transmission > 0.0 for m in scene.materials),
         )
+
+    def of_shape(self, scene: Scene) -> "SceneTables":
+        """Return the tables of another shape of the scene, with the same materials and textures."""
+        geometry = self.geometry._replace(
+            positions=scene.positions, normals=scene.normals, tangents=scene.tangents
+        )
+        return replace(self, geometry=geometry)
 
     def alpha(self, triangle: Ints, barycentric: Floats) -> Floats:
         """(N,) float32 coverage of points, 0 where triangle is -1; masks are 0 or 1."""

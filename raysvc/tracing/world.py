@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 
 from raysvc.accel.base import Accelerator, Hits, Rays, Triangles, hits_on
-from raysvc.accel.forest import Forest, numbered
+from raysvc.accel.forest import Forest, joined_report, numbered
 from raysvc.accel.nearest_so_far import NearestSoFar
 from raysvc.accel.registry import build, choose
 from raysvc.scene import Scene
@@ -35,20 +35,52 @@ class World:
     ) -> None:
         """Build `structure`, a name of the registry or `auto`, as one tree or one per material."""
         self.structure = choose(structure)
-        self._tables = tables
-        self._triangles = Triangles(scene.positions, scene.triangles)
+        triangles = Triangles(scene.positions, scene.triangles)
         group = scene.material_of_triangle if trees == "per_material" else None
         # Shadows go through glass, so it is with what has holes.
         holed = ~tables.solid | tables.clear
-        self._solid = _Part.built(self._triangles, ~holed, self.structure, group, False)
-        self._holed = (
-            _Part.built(self._triangles, holed, self.structure, group, True)
-            if holed.any()
-            else None
+        self._hold(
+            triangles,
+            tables,
+            _Part.built(triangles, ~holed, self.structure, group, False),
+            _Part.built(triangles, holed, self.structure, group, True) if holed.any() else None,
         )
-        parts = [self._solid] if self._holed is None else [self._solid, self._holed]
+        self.sah_cost_built = self.report.sah_cost
+        """The report's `sah_cost` when the trees were built; None where it cannot be seen."""
+
+    def _hold(
+        self, triangles: Triangles, tables: SceneTables, solid: "_Part", holed: "_Part | None"
+    ) -> None:
+        self._triangles, self._tables = triangles, tables
+        self._solid, self._holed = solid, holed
+        parts = [solid] if holed is None else [solid, holed]
         self._trees = [tree for part in parts for tree in part.trees()]
-        self.build_seconds = sum(part.tree.report.seconds for part in parts)
+        self.report = joined_report(
+            [part.tree.report for part in parts], [part.some_of(triangles) for part in parts]
+        )
+        """Of all trees together, and of their last build or refit."""
+
+    @property
+    def refits(self) -> bool:
+        """Does `refitted` keep the trees, or build anew?"""
+        return self._trees[0].tree.refits
+
+    def refitted(self, scene: Scene, tables: SceneTables) -> "World":
+        """Return the same trees around another shape of the scene, of which `tables` are."""
+        moved = World.__new__(World)
+        moved.structure = self.structure
+        moved._hold(
+            Triangles(scene.positions, scene.triangles),
+            tables,
+            self._solid.refitted(scene.positions),
+            None if self._holed is None else self._holed.refitted(scene.positions),
+        )
+        moved.sah_cost_built = self.sah_cost_built if self.refits else moved.report.sah_cost
+        return moved
+
+    def is_around(self, scene: Scene) -> bool:
+        """Are the trees around this very shape?"""
+        return self._triangles.positions is scene.positions
 
     def nearest(self, rays: Rays) -> Hits:
         """Nearest hits that can be seen: through holes, and blends that cover less than half."""
@@ -207,6 +239,16 @@ class _Part:
         if group is None:
             return _Part(build(structure, some), number, is_holed)
         return _Part(Forest(structure, some, group[chosen]), number, is_holed)
+
+    def refitted(self, positions: Floats) -> "_Part":
+        """Return the part with vertices moved to positions (V, 3)."""
+        return _Part(self.tree.refitted(positions), self._number, self.is_holed)
+
+    def some_of(self, triangles: Triangles) -> Triangles:
+        """Return those of the scene's triangles that are in it."""
+        if self._number is None:
+            return triangles
+        return Triangles(triangles.positions, triangles.indices[self._number])
 
     def trees(self) -> "list[_Part]":
         """Parts that are one tree each: this one, or those of its forest."""

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from raysvc.builtin.shapes import sphere, torus
-from raysvc.loading.welding import crease_normals, welded
+from raysvc.loading.welding import crease_normals
 
 
 def corner_normal(positions, triangles, face, corner, crease_deg):
@@ -65,13 +65,6 @@ def test_smooth_shapes_get_nearly_their_own_normals_and_no_creases(mesh):
     source, _, normals = crease_normals(mesh.positions, mesh.triangles)
     assert len(source) == len(mesh.positions)
     assert np.einsum("vk,vk->v", normals, mesh.normals[source]).min() > 0.995
-
-
-def test_zero_and_minus_zero_are_one_place():
-    assert welded(np.array([[0.0, 1.0, 2.0], [-0.0, 1.0, 2.0], [0.0, 1.0, 3.0]])).tolist() in (
-        [0, 0, 1],
-        [1, 1, 0],
-    )
 
 
 def test_triangles_without_area_neither_harm_their_neighbours_nor_have_nan():

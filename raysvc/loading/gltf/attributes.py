@@ -15,10 +15,8 @@ from raysvc.loading.gltf.directions import (
 from raysvc.loading.gltf.journal import Journal
 from raysvc.loading.gltf.tangents import tangents
 from raysvc.scene import TextureRef
+from raysvc.scene.rest_shape import LARGEST_COORDINATE
 from raysvc.types import Floats, Longs
-
-LARGEST_COORDINATE = 1e18
-"""Squares of coordinates and their products must fit into float32's range, with some room."""
 
 LARGEST_UV = 1e6
 LARGEST_COLOUR = 1e6

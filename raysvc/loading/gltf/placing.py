@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from raysvc.errors import InvalidScene
-from raysvc.loading.gltf.attributes import LARGEST_COORDINATE, Shape
+from raysvc.loading.gltf.attributes import Shape
 from raysvc.loading.gltf.directions import AT_ONCE, blocks, cross, unit
 from raysvc.loading.gltf.instances import Placement
+from raysvc.scene.rest_shape import LARGEST_COORDINATE
 from raysvc.types import Bools, Doubles, Floats, Ints
 
 

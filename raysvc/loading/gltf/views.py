@@ -6,13 +6,13 @@ import numpy as np
 import pygltflib
 
 from raysvc.errors import InvalidScene
-from raysvc.loading.gltf.attributes import LARGEST_COORDINATE
 from raysvc.loading.gltf.directions import unit
 from raysvc.loading.gltf.document import Document, item
 from raysvc.loading.gltf.extensions import Light, LightOfNode, Lights, Spot, extension
 from raysvc.loading.gltf.journal import Journal
 from raysvc.loading.gltf.nodes import Hierarchy
 from raysvc.scene import PunctualLight, SceneCamera
+from raysvc.scene.rest_shape import LARGEST_COORDINATE
 from raysvc.types import Doubles
 
 _EXTENSION = "KHR_lights_punctual"
