@@ -19,6 +19,7 @@ from api.routes import (
     health,
     one_shot,
     pages,
+    positions,
     renders,
     scenes,
     structures,
@@ -62,6 +63,7 @@ def create_app(
     problems.install(app)
     for routes in (
         scenes,
+        positions,
         environments,
         renders,
         one_shot,

@@ -60,6 +60,9 @@ class StoredResource(BaseModel):
 class SceneResource(StoredResource):
     """A scene."""
 
+    rest: str | None = Field(
+        description="Of a scene whose vertices were moved, the id of that which it was made from."
+    )
     triangles: int
     vertices: int
     objects: int
@@ -143,7 +146,11 @@ class Health(BaseModel):
 
 def scene_resource(record: Record) -> SceneResource:
     """Present a scene."""
-    return SceneResource(**_stored(record, "scenes"), **record.summary)
+    stored = _stored(record, "scenes")
+    stored["links"]["positions"] = f"{stored['links']['self']}/positions"
+    if record.rest is not None:
+        stored["links"]["rest"] = f"/v1/scenes/{record.rest}"
+    return SceneResource(**stored, rest=record.rest, **record.summary)
 
 
 def environment_resource(record: Record) -> EnvironmentResource:

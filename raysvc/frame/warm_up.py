@@ -13,10 +13,14 @@ VIEW = View(eye=(0.0, 0.4, 3.0), target=(0.0, 0.0, 0.0), width=32, height=18, ap
 
 
 def warm_up(control: Control | None = None) -> None:
-    """Render small pictures that go through every stage and every kind of material."""
+    """Render small pictures that go through every stage and every kind of material.
+
+    And move a vertex, which is done before a frame.
+    """
     scene = specimen()
     render(scene, camera=VIEW, control=control)
     render(scene, camera=VIEW, settings={"mode": "reference", "samples": 1}, control=control)
+    scene.deformed(scene.positions)
 
 
 def specimen() -> Scene:

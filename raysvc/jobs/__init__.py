@@ -1,7 +1,8 @@
 """What to do next: renders and comparisons, their queue, the worker, the stores they read.
 
     RenderService   everything below, wired together; what `api` talks to
-      ContentStore    scenes and environments by the SHA-256 of their content, on disk and parsed
+      ContentStore    environments by the SHA-256 of their content, on disk and parsed
+      SceneStore      the same for scenes, and for their deformed shapes
       JobQueue        a bounded line of jobs
       Worker          one thread, one job at a time
       SceneRenderer   makes pictures;  SceneComparer: measures acceleration structures
@@ -17,6 +18,7 @@ from raysvc.jobs.requests import ComparisonRequest, RenderRequest, Request
 from raysvc.jobs.results import Results
 from raysvc.jobs.scene_comparer import SceneComparer
 from raysvc.jobs.scene_renderer import SceneRenderer
+from raysvc.jobs.scene_store import SceneStore
 from raysvc.jobs.service import MakeRenderer, RenderService, ServiceOptions
 from raysvc.jobs.store import ContentStore, Record, Upload
 from raysvc.jobs.worker import Worker
@@ -38,6 +40,7 @@ __all__ = [
     "Results",
     "SceneComparer",
     "SceneRenderer",
+    "SceneStore",
     "ServiceOptions",
     "Upload",
     "Worker",

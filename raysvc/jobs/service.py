@@ -21,6 +21,7 @@ from raysvc.jobs.renderer import Picture, Renderer
 from raysvc.jobs.requests import ComparisonRequest, RenderRequest, Request
 from raysvc.jobs.results import Results
 from raysvc.jobs.scene_comparer import SceneComparer, comparison_bytes
+from raysvc.jobs.scene_store import SceneStore
 from raysvc.jobs.store import ContentStore
 from raysvc.jobs.worker import Worker
 from raysvc.limits import DEFAULT_LIMITS, Limits
@@ -61,7 +62,7 @@ class RenderService:
 
     def __init__(self, options: ServiceOptions, make_renderer: MakeRenderer) -> None:
         self.limits = options.limits
-        self.scenes = ContentStore(
+        self.scenes = SceneStore(
             options.data_dir / "scenes", scene_kind(options.limits), options.scene_memory_bytes
         )
         self.environments = ContentStore(

@@ -11,10 +11,11 @@ while there is room. One process owns a folder.
 import hashlib
 import json
 import logging
+import os
 import secrets
 import shutil
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
@@ -62,6 +63,10 @@ class Record:
     files: tuple[str, ...] = ()
     """Names of the files 0, 1, ..."""
     version: str = VERSION
+    rest: str | None = None
+    """Of a deformed scene, the name of the scene that it was made from."""
+    rest_builtin: str | None = None
+    """That scene's `builtin`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +136,7 @@ class ContentStore(Generic[Thing]):
         record = self.record(id)
         thing = self._parsed.get(id)
         if thing is None:
-            thing = self._kind.load(self._source(record))
+            thing = self._load(record)
             self._parsed.put(id, thing)
         return thing
 
@@ -144,26 +149,41 @@ class ContentStore(Generic[Thing]):
         (self._folder / id).rename(grave)
         shutil.rmtree(grave, ignore_errors=True)
 
-    def _source(self, record: Record) -> str | Files:
+    def _load(self, record: Record) -> Thing:
         if record.builtin is not None:
-            return BUILTIN_PREFIX + record.builtin
+            return self._kind.load(BUILTIN_PREFIX + record.builtin)
+        files = dict(zip(record.files, self._read(record), strict=True))
+        return self._kind.load(self._kind.open(Upload(files, record.main)))
+
+    def _read(self, record: Record) -> list[bytes]:
+        """Contents of a record's files."""
         folder = self._folder / record.id
         try:
-            files = {name: (folder / str(n)).read_bytes() for n, name in enumerate(record.files)}
+            return [(folder / str(number)).read_bytes() for number in range(len(record.files))]
         except FileNotFoundError:
-            raise NotFound(f"the {self._kind.name} was deleted", self._kind.name) from None
-        return self._kind.open(Upload(files, record.main))
+            raise self._deleted() from None
 
-    def _keep(self, record: Record, thing: Thing, files: list[bytes]) -> tuple[Record, bool]:
+    def _deleted(self) -> NotFound:
+        return NotFound(f"the {self._kind.name} was deleted", self._kind.name)
+
+    def _keep(
+        self, record: Record, thing: Thing, files: Sequence[bytes | Path]
+    ) -> tuple[Record, bool]:
+        """Make a record and its files visible; a path is a file that is in the store already."""
         draft = self._folder / "incoming" / secrets.token_hex(16)
         draft.mkdir()
         try:
             for number, data in enumerate(files):
-                (draft / str(number)).write_bytes(data)
+                if isinstance(data, Path):
+                    _link(data, draft / str(number))
+                else:
+                    (draft / str(number)).write_bytes(data)
             (draft / "record.json").write_text(json.dumps(asdict(record)), encoding="utf-8")
             draft.rename(self._folder / record.id)
         except FileExistsError:
             return self._records.setdefault(record.id, record), False
+        except FileNotFoundError:
+            raise self._deleted() from None
         except OSError as error:
             # Renaming onto a folder that is not empty: another thread has kept the same content.
             if not (self._folder / record.id / "record.json").is_file():
@@ -176,13 +196,25 @@ class ContentStore(Generic[Thing]):
         return record, True
 
 
+def _link(file: Path, copy: Path) -> None:
+    """Let two names lead to one file, where the file system can, or copy it."""
+    try:
+        os.link(file, copy)
+    except FileNotFoundError:
+        raise
+    except OSError:
+        shutil.copyfile(file, copy)
+
+
 def _read_record(folder: Path) -> Record | None:
-    """Read what an earlier process kept; skip what is damaged, or built in another version."""
+    """Read what an earlier process kept; skip what is damaged, or depends on another version."""
     try:
         values = json.loads((folder / "record.json").read_text(encoding="utf-8"))
         record = Record(**{**values, "files": tuple(values["files"])})
     except (OSError, ValueError, TypeError, KeyError):
         logger.warning("skipping the damaged entry %s", folder)
         return None
-    stale = record.builtin is not None and record.version != VERSION
+    # What is made in code, and the order of vertices, may be others in another version.
+    depends = record.builtin is not None or record.rest is not None
+    stale = depends and record.version != VERSION
     return None if stale or record.id != folder.name else record
