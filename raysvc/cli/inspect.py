@@ -2,22 +2,34 @@
 
 import json
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 
+from raysvc.cli.arguments import writable
 from raysvc.cli.tables import plain_table
 from raysvc.jobs.summary import scene_summary
 from raysvc.loading import load_scene
+from raysvc.loading.shape_file import npy_of
 
 
 def inspect(
     scene: Annotated[str, typer.Argument(help="A scene file, or builtin:NAME.")],
     as_json: Annotated[bool, typer.Option("--json", help="Say it in JSON.")] = False,
+    positions: Annotated[
+        Path | None,
+        typer.Option("--positions", help="An .npy file for where the vertices are."),
+    ] = None,
 ) -> None:
     """Say what is in a scene: counts, materials, textures, cameras, lights, bounds, warnings."""
-    summary = scene_summary(load_scene(scene))
+    if positions is not None:
+        writable(positions, "--positions")
+    inspected = load_scene(scene)
+    summary = scene_summary(inspected)
+    if positions is not None:
+        positions.write_bytes(npy_of(inspected.positions))
     if as_json:
         typer.echo(json.dumps(summary, indent=2))
     else:

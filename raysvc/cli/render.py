@@ -14,6 +14,7 @@ from raysvc.frame.render import render as render_frame
 from raysvc.frame.settings import checked, settings_from
 from raysvc.frame.view import View
 from raysvc.loading import load_environment, load_scene
+from raysvc.loading.shape_file import load_shape
 from raysvc.parallel import Control
 
 
@@ -25,6 +26,10 @@ def render(
     environment: Annotated[
         str | None,
         typer.Option("--environment", "-e", help="An .hdr or .exr file, or builtin:NAME."),
+    ] = None,
+    positions: Annotated[
+        Path | None,
+        typer.Option("--positions", help="An .npy file: where the scene's vertices are instead."),
     ] = None,
     camera: Annotated[
         Path | None, typer.Option("--camera", help="A JSON file; by default the scene is framed.")
@@ -50,7 +55,11 @@ def render(
         report("loading", 0.0)
         light = None if environment is None else load_environment(environment)
         control = Control(settings.threads, settings.deadline_s, report)
-        frame = render_frame(load_scene(scene), light, view, settings, control=control)
+        shown = load_scene(scene)
+        if positions is not None:
+            shape = load_shape(positions, len(shown.positions))
+            shown = shown.deformed(shape.positions, shape.normals)
+        frame = render_frame(shown, light, view, settings, control=control)
     frame.save(output)
 
     statistics = frame.statistics.to_dict()

@@ -49,7 +49,7 @@ class Files:
         """Open a scene file on disk, or a .zip of one; side files are read when asked for."""
         path = Path(path)
         if path.suffix.lower() == ARCHIVE_SUFFIX:
-            return cls.from_zip(_read_regular(path, limits.max_file_bytes, path.name), limits)
+            return cls.from_zip(read_regular(path, limits.max_file_bytes, path.name), limits)
         _check_regular(path, path.name)
         return cls(_FolderStore(path, limits), path.name)
 
@@ -154,7 +154,7 @@ class _FolderStore:
         return path
 
     def read(self, name: str, field: str) -> bytes:
-        data = _read_regular(self._path(name, field), self._limits.max_file_bytes, field)
+        data = read_regular(self._path(name, field), self._limits.max_file_bytes, field)
         self._sizes[name] = len(data)
         if len(self._sizes) > self._limits.max_files:
             raise LimitExceeded(f"more than {self._limits.max_files} files", field)
@@ -171,7 +171,7 @@ class _FolderStore:
         return (self._main.name,)
 
 
-def _read_regular(path: Path, limit: int, field: str) -> bytes:
+def read_regular(path: Path, limit: int, field: str) -> bytes:
     """Read a regular file of at most `limit` bytes; opening a pipe or a device does not hang."""
     _check_regular(path, field)
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)

@@ -5,7 +5,9 @@ What is claimed is checked before memory is asked for it, and nothing is unpickl
 
 import dataclasses
 import io
+import os
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,7 @@ from numpy.typing import NDArray
 from raysvc.errors import InvalidScene
 from raysvc.limits import DEFAULT_LIMITS
 from raysvc.loading.archive import unpack
+from raysvc.loading.files import read_regular
 
 NPY_MAGIC = b"\x93NUMPY"
 ZIP_MAGIC = b"PK"
@@ -37,6 +40,11 @@ class Shape:
 def largest_shape_file(vertices: int) -> int:
     """Bytes that a file of positions and normals may have: float64, headers, and some room."""
     return 2 * _largest_array(vertices) + (16 << 10)
+
+
+def load_shape(path: str | os.PathLike[str], vertices: int) -> Shape:
+    """Read a file on disk; see `read_shape`."""
+    return read_shape(read_regular(Path(path), largest_shape_file(vertices), "positions"), vertices)
 
 
 def read_shape(data: bytes | bytearray, vertices: int) -> Shape:

@@ -52,6 +52,23 @@ def test_the_service_gives_the_library_s_picture(client: TestClient) -> None:
     assert client.get(resource["links"]["image"]).content == frame.encode("png")
 
 
+def test_an_animation_moves_trees_and_gives_the_library_s_pictures(client: TestClient) -> None:
+    scene = raysvc.load("builtin:cornell")
+    id = client.post("/v1/scenes", json={"builtin": "cornell"}).json()["id"]
+    settings = {"structure": "bvh", "occlusion_samples": 4}
+    link = f"/v1/scenes/{id}/positions"
+    positions = np.load(io.BytesIO(client.get(link).content))
+    for frame in range(3):
+        moved = positions * np.float32([1, 1 - 0.05 * frame, 1])
+        shape = client.put(link, content=moved.astype("<f4").tobytes()).json()
+        resource = rendered(client, scene=shape["id"], settings=settings)
+        expected = raysvc.render(scene.deformed(moved), camera=CAMERA, settings=settings)
+        assert client.get(resource["links"]["image"]).content == expected.encode("png")
+        build = resource["statistics"]["build"]
+        assert build["refitted"] == (frame > 0)
+        assert (build["sah_ratio"] == 1.0) == (frame == 0)
+
+
 def test_all_layers_can_be_had(client: TestClient) -> None:
     link = rendered(client, scene="builtin:cornell")["links"]["image"]
     response = client.get(link, params={"format": "npz"})

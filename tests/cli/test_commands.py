@@ -1,9 +1,11 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
+import raysvc
 from raysvc.cli.app import run
 from raysvc.version import VERSION
 
@@ -92,6 +94,39 @@ def test_a_scene_is_described_for_people_and_for_programs(capsys: Capture) -> No
     assert run(["inspect", "builtin:cornell", "--json"]) == 0
     summary = json.loads(capsys.readouterr().out)
     assert summary["triangles"] == sum(m["triangles"] for m in summary["materials"])
+
+
+def test_vertices_are_written_moved_and_rendered(tmp_path: Path, capsys: Capture) -> None:
+    at_rest, moved = tmp_path / "rest.npy", tmp_path / "moved.npy"
+    assert run(["inspect", "builtin:cornell", "--positions", str(at_rest)]) == 0
+    positions = np.load(at_rest)
+    scene = raysvc.load("builtin:cornell")
+    np.testing.assert_array_equal(positions, scene.positions)
+    np.save(moved, positions * [1.0, 0.8, 1.0])
+    words = ["render", "builtin:cornell", "--size", "24x16", "--set", "occlusion_samples=4"]
+    for file in (at_rest, moved):
+        assert run([*words, "--positions", str(file), "-o", str(file.with_suffix(".png"))]) == 0
+    assert run([*words, "-o", str(tmp_path / "plain.png")]) == 0
+    plain = (tmp_path / "plain.png").read_bytes()
+    assert at_rest.with_suffix(".png").read_bytes() == plain
+    expected = raysvc.render(
+        scene.deformed(np.load(moved)),
+        camera={"width": 24, "height": 16},
+        settings={"occlusion_samples": 4},
+    )
+    assert moved.with_suffix(".png").read_bytes() == expected.encode("png") != plain
+
+
+def test_wrong_vertices_are_refused_by_name(tmp_path: Path, capsys: Capture) -> None:
+    file, picture = tmp_path / "few.npy", tmp_path / "x.png"
+    np.save(file, np.zeros((4, 3)))
+    words = ["render", "builtin:cornell", "-o", str(picture), "--positions"]
+    assert run([*words, str(file)]) == 2
+    assert run([*words, str(tmp_path / "no.npy")]) == 2
+    first, second = capsys.readouterr().err.splitlines()
+    assert first.startswith("error: positions: needs the shape (449, 3), has (4, 3)")
+    assert second.startswith("error: positions: the file no.npy is missing")
+    assert not picture.exists()
 
 
 def test_ctrl_c_ends_with_130(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
