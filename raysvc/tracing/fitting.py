@@ -11,8 +11,8 @@ from raysvc.tracing.world import World
 WORST_RATIO: Final = 1.2
 """Refitted trees are used up to this ratio of their surface area cost to that when they were built.
 
-It is where, in `bench.refit`, the rays of a picture of a megapixel begin to lose more time than a
-build would take."""
+It is about where the rays of a picture of 640x360 lose as much time as a build takes; see
+docs/benchmarks.md and `bench.refit`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
