@@ -328,7 +328,8 @@ def test_whatever_arrives_nothing_infinite_leaves(rng):
     weights = rng.dirichlet([1, 1, 1], count)[:, :2].astype(np.float32)
     for name in ("ewa", "sat", "mip"):
         surface = tables.surface(triangle, weights, directions, footprint, name)
-        assert all(np.isfinite(array).all() for array in surface)
+        arrays = [array for array in surface if isinstance(array, np.ndarray)]
+        assert all(np.isfinite(array).all() for array in arrays)
     leaving = reflected(
         tables.geometry,
         triangle,
