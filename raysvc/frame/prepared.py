@@ -34,6 +34,8 @@ class Prepared:
     """What making it took."""
     cached: bool
     """Nothing had to be made."""
+    warnings: tuple[str, ...]
+    """What could not be made as asked."""
 
     @property
     def world(self) -> World:
@@ -50,6 +52,11 @@ def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepa
     fit, had_fit = fit_of(scene, tables, settings.structure, settings.trees)
     light, had_light = _LIGHTS.get(environment, turned, lambda: ImageLight(environment, *turned))
     cached = had_tables and had_fit and had_light
+    warnings: tuple[str, ...] = ()
+    if settings.texture_filter == "sat" and settings.mode == "hybrid":
+        cached = cached and tables.sums.are_made
+        tables.sums.made()
+        warnings = tables.sums.warnings
     path_lights = None
     if settings.mode == "reference":
         sky, had_sky = _SKIES.get(
@@ -59,4 +66,4 @@ def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepa
         path_lights = Lights(sky, emitters, scene.lights)
         cached = cached and had_sky and had_emitters
     seconds = time.perf_counter() - start
-    return Prepared(scene, tables, fit, light, path_lights, seconds, cached)
+    return Prepared(scene, tables, fit, light, path_lights, seconds, cached, warnings)

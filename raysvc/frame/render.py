@@ -98,7 +98,12 @@ def render(
         },
         edge_fraction=ledger.edge_fraction,
         max_coc_px=ledger.max_coc_px,
-        warnings=(*scene.warnings, *environment.warnings, *ledger.warnings),
+        warnings=(
+            *scene.warnings,
+            *environment.warnings,
+            *prepared.warnings,
+            *ledger.warnings,
+        ),
         renderer_version=VERSION,
     )
     return Frame({"beauty": draft.beauty, **draft.layers}, statistics, settings)

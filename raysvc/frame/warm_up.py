@@ -18,7 +18,7 @@ def warm_up(control: Control | None = None) -> None:
     And move a vertex, which is done before a frame.
     """
     scene = specimen()
-    render(scene, camera=VIEW, control=control)
+    render(scene, camera=VIEW, settings={"texture_filter": "sat"}, control=control)
     render(scene, camera=VIEW, settings={"mode": "reference", "samples": 1}, control=control)
     scene.deformed(scene.positions)
 

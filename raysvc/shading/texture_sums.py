@@ -97,9 +97,25 @@ class LazySums:
         self._lock = threading.Lock()
         self._sums: TextureSums | None = None
 
+    @property
+    def are_made(self) -> bool:
+        """Has anybody asked yet?"""
+        return self._sums is not None
+
     def made(self) -> TextureSums:
         """Return the tables."""
         with self._lock:
             if self._sums is None:
                 self._sums = texture_sums(self._materials, self._textures)
             return self._sums
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the tables, which must have been made, lack."""
+        smaller = int((self.made().level > 0).any(axis=1).sum())
+        if not smaller:
+            return ()
+        return (
+            f"texture_filter: summed-area tables of {smaller} textures are of a smaller size, so"
+            f" that all fit {MAX_BYTES >> 20} MiB; `sat` shows them less sharp",
+        )

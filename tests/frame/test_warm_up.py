@@ -22,6 +22,7 @@ def test_a_frame_after_the_specimen_compiles_nothing_new(mode: str) -> None:
     view, scene = {"width": 32, "height": 18, "aperture_radius": 0.05}, still_life()
     for shape in (scene, scene.deformed(2 * scene.positions)):
         raysvc.render(shape, camera=view, settings={"mode": mode, "samples": 1})
+        raysvc.render(shape, camera=view, settings={"aa": "full", "texture_filter": "sat"})
     assert compiled() == before
 
 
@@ -41,10 +42,11 @@ def compiled() -> dict[str, int]:
         coat_kernels,
         coverage_kernels,
         glass_kernels,
+        mip_kernels,
         surface_kernels,
-        texture_kernels,
+        texture_sum_kernels,
     )
-    from raysvc.tracing import occlusion_kernels, offset_kernels
+    from raysvc.tracing import occlusion_kernels, offset_kernels, ray_differential_kernels
 
     modules = (
         composite_kernels,
@@ -56,10 +58,12 @@ def compiled() -> dict[str, int]:
         coat_kernels,
         coverage_kernels,
         glass_kernels,
+        mip_kernels,
         surface_kernels,
-        texture_kernels,
+        texture_sum_kernels,
         occlusion_kernels,
         offset_kernels,
+        ray_differential_kernels,
         environment_kernels,
         scattering_kernels,
         sequence_kernels,

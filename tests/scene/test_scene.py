@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from raysvc.errors import InvalidEnvironment, InvalidScene
-from raysvc.scene import Environment, Material, Scene, TextureRef
+from raysvc.scene import Camera, Environment, Material, Scene, TextureRef
 from tests.frame.subjects import still_life
 
 
@@ -97,6 +97,15 @@ def test_bounds_are_those_of_the_triangles_used() -> None:
 def test_an_environment_is_finite_light_from_everywhere(radiance: np.ndarray) -> None:
     with pytest.raises(InvalidEnvironment):
         Environment(radiance)
+
+
+def test_a_pixel_is_as_wide_as_the_projection_makes_it() -> None:
+    depth = np.array([0.5, 2.0, 8.0], np.float32)
+    pose = np.eye(4)
+    perspective = Camera(pose, 10, 8, half_height=0.4)
+    np.testing.assert_allclose(perspective.pixel_width_m(depth), depth * 0.1)
+    parallel = Camera(pose, 10, 8, projection="orthographic", half_height=2.0)
+    np.testing.assert_allclose(parallel.pixel_width_m(depth), 0.5)
 
 
 def test_the_same_material_with_another_name_is_another_material() -> None:

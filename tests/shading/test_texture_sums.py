@@ -102,14 +102,14 @@ def test_a_seam_is_not_seen(rng):
         assert there[2] == pytest.approx(there[0], abs=1e-6)
 
 
-def two_slots(texels):
+def two_slots():
     ref = TextureRef(0)
     return Material(base_colour_texture=ref, occlusion_texture=ref)
 
 
 def test_a_texture_read_as_colour_and_as_data_has_two_tables(rng):
     texels = random_texels(rng, 4, 4)
-    tables = SceneTables.of(quad(two_slots(texels), textures=(Texture(texels),)))
+    tables = SceneTables.of(quad(two_slots(), textures=(Texture(texels),)))
     sums = tables.sums.made()
     assert (sums.start >= 0).all()
     last = {kind: sums.start[0, kind] + 24 for kind in (DATA, COLOUR)}
@@ -145,10 +145,26 @@ def test_tables_fit_their_budget_by_starting_smaller(rng):
     assert whole.level.max() == 0
 
 
+def test_textures_that_are_less_sharp_are_named(rng, monkeypatch):
+    texels = random_texels(rng, 32, 32)
+    sums = SceneTables.of(quad(two_slots(), textures=(Texture(texels),))).sums
+    assert not sums.are_made
+    assert sums.warnings == ()
+    assert sums.are_made
+    monkeypatch.setattr("raysvc.shading.texture_sums.texture_sums", _small_sums)
+    sums = SceneTables.of(quad(two_slots(), textures=(Texture(texels),))).sums
+    assert len(sums.warnings) == 1
+    assert "of 1 textures" in sums.warnings[0]
+
+
+def _small_sums(materials, textures):
+    return texture_sums(materials, textures, 1000)
+
+
 def test_tables_are_made_once_and_when_asked_for(rng):
     texels = random_texels(rng, 32, 32)
-    tables = SceneTables.of(quad(two_slots(texels), textures=(Texture(texels),)))
-    assert tables.sums._sums is None
+    tables = SceneTables.of(quad(two_slots(), textures=(Texture(texels),)))
+    assert not tables.sums.are_made
     made = []
     threads = [threading.Thread(target=lambda: made.append(tables.sums.made())) for _ in range(4)]
     for thread in threads:
