@@ -7,6 +7,7 @@ be missed for ever.
 
 import numpy as np
 
+from raysvc.lighting.clearcoat import Varnish
 from raysvc.lighting.sun import LUMINANCE
 from raysvc.reference.lights import LightSamples
 from raysvc.scene import Scene
@@ -97,7 +98,7 @@ class Emitters:
         they cover what is behind them.
         """
         seen = self._tables.surface(triangle, barycentric, directions)
-        return seen, seen.emissive * self._tables.alpha(triangle, barycentric)[:, None]
+        return seen, emission_of(seen) * self._tables.alpha(triangle, barycentric)[:, None]
 
     def _mean_luminance(self) -> Doubles:
         """(E,) of the emission of the triangles that shine, over some places of each."""
@@ -114,6 +115,15 @@ class Emitters:
             light = emission.astype(np.float64) @ LUMINANCE
             means[begin : begin + CHUNK // LOOKS] = light.reshape(-1, LOOKS).mean(axis=1)
         return means
+
+
+def emission_of(surface: Surface) -> Floats:
+    """Radiance (N, 3) that surfaces give off towards their viewers, as far as varnish lets it."""
+    if not surface.coat.size:
+        return surface.emissive
+    emission, varnish = surface.emissive.copy(), Varnish.of(surface)
+    emission[varnish.point] *= 1.0 - varnish.share
+    return emission
 
 
 def _on_triangle(place: Doubles) -> Doubles:

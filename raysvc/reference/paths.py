@@ -9,16 +9,16 @@ All arithmetic on paths is kernels over the arrays of one wave; rays are answere
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from raysvc.accel.base import Hits, Rays
-from raysvc.lighting.albedo import albedo_tables
 from raysvc.lighting.direct import arriving
 from raysvc.parallel import Control
-from raysvc.reference.emitters import Emitters
+from raysvc.reference.choices import choices_of
+from raysvc.reference.emitters import Emitters, emission_of
 from raysvc.reference.environment import EnvironmentLight
 from raysvc.reference.lights import LightSamples
 from raysvc.reference.scattering_kernels import reflect_samples, scatter
@@ -83,6 +83,8 @@ class Wave:
         (N,) float64 per steradian with which the ray was drawn; inf of a camera ray
     rays, hits
         (N) rays and what they have met
+    absorption
+        (N, 3) float32 per metre along the ray; no rows in a scene without glass
     """
 
     path: Longs
@@ -91,6 +93,7 @@ class Wave:
     density: Doubles
     rays: Rays
     hits: Hits
+    absorption: Floats
 
     def chosen(self, index: Longs | Bools) -> "Wave":
         """Return some of the paths."""
@@ -102,6 +105,7 @@ class Wave:
             self.density[index],
             Rays(rays.origins[index], rays.directions[index], rays.t_max[index]),
             Hits(hits.t[index], hits.triangle[index], hits.barycentric[index]),
+            self.absorption[index] if len(self.absorption) else self.absorption,
         )
 
 
@@ -123,7 +127,6 @@ class PathTracer:
         """
         self._world, self._tables, self._lights = world, tables, lights
         self._bounces, self._count = bounces, count
-        self._terms = albedo_tables().specular
 
     def trace(self, rays: Rays, draws: Draws, control: Control) -> tuple[Floats, Bools]:
         """Follow one path from each of N camera rays.
@@ -143,25 +146,28 @@ class PathTracer:
             np.full(count, np.inf),
             rays,
             hits,
+            np.zeros((count if self._tables.glassy else 0, 3), np.float32),
         ).chosen(met)
         for point in range(self._bounces + 1):
             if not len(wave.path):
                 break
             control.check()
             surface = self._surface(wave)
+            wave = attenuated(wave, surface)
             radiance[wave.path] += self._shining(wave, surface)
             if surface.unlit.any():
                 lit = np.flatnonzero(~surface.unlit)
                 wave, surface = wave.chosen(lit), surface.chosen(lit)
-            first = point * PER_POINT
-            radiance[wave.path] += self._direct(wave, surface, first)
-            wave = self._onward(wave, surface, first)
+            first, choice = point * PER_POINT, choices_of(surface)
+            radiance[wave.path] += self._direct(wave, surface, choice, first)
+            wave = self._onward(wave, surface, choice, first)
             missed = np.flatnonzero(wave.hits.triangle < 0)
             radiance[wave.path[missed]] += self._sky(wave.chosen(missed))
             wave = wave.chosen(wave.hits.triangle >= 0)
         shines = np.flatnonzero(self._lights.emitters.shines[wave.hits.triangle])
         wave = wave.chosen(shines)
-        radiance[wave.path] += self._shining(wave, self._surface(wave))
+        surface = self._surface(wave)
+        radiance[wave.path] += self._shining(attenuated(wave, surface), surface)
         return radiance, met
 
     def _surface(self, wave: Wave) -> Surface:
@@ -172,39 +178,43 @@ class PathTracer:
     def _shining(self, wave: Wave, surface: Surface) -> Floats:
         """(N, 3) light that the surfaces themselves give off."""
         other = self._lights.emitters.density(wave.hits.triangle, surface, wave.hits.t)
-        emission = surface.emissive * _weights(wave.density, other)[:, None]
+        emission = emission_of(surface) * _weights(wave.density, other)[:, None]
         shown: Floats = np.where(surface.unlit[:, None], surface.base_colour, emission)
         return wave.throughput * shown
 
     def _sky(self, wave: Wave) -> Floats:
         """(N, 3) light from the environment, for paths that have met nothing."""
         radiance, other = self._lights.environment.look_up(wave.rays.directions)
+        far = np.full(len(radiance), np.inf, np.float32)
+        radiance *= left_after(wave.absorption, far)
         return wave.throughput * radiance * _weights(wave.density, other)[:, None]
 
-    def _direct(self, wave: Wave, surface: Surface, first: int) -> Floats:
+    def _direct(self, wave: Wave, surface: Surface, choice: Doubles, first: int) -> Floats:
         """(N, 3) light that comes to the points straight from where there is some."""
         draws, lights, position = wave.draws, self._lights, surface.position
         total = np.zeros((surface.size, 3), np.float32)
         if not lights.environment.is_dark:
             samples = lights.environment.sample(draws.pairs(first + SKY))
-            total += self._arriving(wave, surface, samples)
+            total += self._arriving(wave, surface, choice, samples)
         if not lights.emitters.is_dark:
             pick, place = draws.pairs(first + EMITTER)[:, 0], draws.pairs(first + ON_EMITTER)
             samples = lights.emitters.sample(position, pick, place)
-            total += self._arriving(wave, surface, samples)
+            total += self._arriving(wave, surface, choice, samples)
         for light in lights.punctual:
             alone = np.full(surface.size, np.inf)
             to_light, distance, irradiance = arriving(light, position)
             samples = LightSamples(to_light, distance, irradiance, alone)
-            total += self._arriving(wave, surface, samples)
+            total += self._arriving(wave, surface, choice, samples)
         return total
 
-    def _arriving(self, wave: Wave, surface: Surface, samples: LightSamples) -> Floats:
+    def _arriving(
+        self, wave: Wave, surface: Surface, choice: Doubles, samples: LightSamples
+    ) -> Floats:
         """(N, 3) what pixels see of light samples, as far as nothing is in their way."""
         contribution = np.empty((surface.size, 3), np.float32)
         reflect_samples(
-            self._terms,
             surface,
+            choice,
             samples.to_light,
             samples.radiance,
             samples.density,
@@ -214,19 +224,22 @@ class PathTracer:
         lit = np.flatnonzero(contribution.any(axis=1))
         rays = rays_towards(surface, samples.to_light[lit], samples.distance[lit], lit)
         self._count("shadow", len(lit))
-        contribution[lit] *= self._world.transmittance(rays, through_glass=False)[:, None]
+        absorption = absorption_ahead(wave, surface, samples.to_light, lit)
+        left = left_after(absorption, samples.distance[lit])
+        through = self._world.transmittance(rays, through_glass=False)
+        contribution[lit] *= through[:, None] * left
         return contribution
 
-    def _onward(self, wave: Wave, surface: Surface, first: int) -> Wave:
+    def _onward(self, wave: Wave, surface: Surface, choice: Doubles, first: int) -> Wave:
         """Send paths on from the points, and find what they meet; those that end are left out."""
-        choice = wave.draws.pairs(first + CHOICE)
+        numbers = wave.draws.pairs(first + CHOICE)
         directions = np.empty((surface.size, 3), np.float32)
         throughput, density = wave.throughput.copy(), np.empty(surface.size)
         scatter(
-            self._terms,
             surface,
+            choice,
             wave.draws.pairs(first + DIRECTION),
-            choice[:, 0],
+            numbers[:, 0],
             directions,
             throughput,
             density,
@@ -241,8 +254,39 @@ class PathTracer:
             throughput[goes_on],
             density[goes_on],
             rays,
-            self._world.drawn(rays, choice[goes_on, 1]),
+            self._world.drawn(rays, numbers[goes_on, 1]),
+            absorption_ahead(wave, surface, directions, goes_on),
         )
+
+
+def attenuated(wave: Wave, surface: Surface) -> Wave:
+    """Absorb what the glass between a path's last point and this one absorbs."""
+    if not surface.glass.size:
+        return wave
+    inside = surface.glass.solid & ~surface.glass.entering & (surface.transmission > 0.0)
+    absorption = np.where(inside[:, None], surface.glass.absorption, wave.absorption)
+    throughput = wave.throughput * left_after(absorption, wave.hits.t)
+    return replace(wave, throughput=throughput, absorption=absorption)
+
+
+def absorption_ahead(wave: Wave, surface: Surface, directions: Floats, index: Longs) -> Floats:
+    """(K, 3) per metre where paths `index` (K,) go from their points in `directions` (N, 3)."""
+    if not surface.glass.size:
+        return wave.absorption
+    behind = np.einsum("kc,kc->k", surface.geometric_normal[index], directions[index]) < 0.0
+    into = behind & surface.glass.solid[index] & surface.glass.entering[index]
+    ahead = np.where(into[:, None], surface.glass.absorption[index], np.float32(0.0))
+    return np.where(behind[:, None], ahead, wave.absorption[index])
+
+
+def left_after(absorption: Floats, distance: Floats) -> Floats | np.float32:
+    """What is left (N, 3) of light after (N,) metres of glass; 1 in a scene without."""
+    if not len(absorption):
+        return np.float32(1.0)
+    some = absorption > 0.0
+    depth = absorption * np.where(some, distance[:, None], np.float32(0.0))
+    left: Floats = np.exp(-depth)
+    return left
 
 
 def _weights(own: Doubles, other: Doubles) -> Floats:

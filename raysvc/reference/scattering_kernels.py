@@ -1,12 +1,12 @@
-"""glTF's BRDF for paths: its value, a random direction, and that direction's density.
+"""glTF's materials for paths: their value, a random direction, and that direction's density.
 
-The formula is that of `raysvc.lighting.brdf`. Directions are drawn from a mixture of its two lobes:
-reflections at visible normals for the specular one, the cosine for the diffuse one, in proportion
-to what either reflects of constant light.
+The formulas are those of `raysvc.lighting`: brdf, microfacet_reflection, microfacet_refraction,
+thin_transmission, clearcoat. A direction is drawn from one of the lobes, by the odds of
+`choice_kernels`: reflections and refractions at visible normals, or the cosine.
 
-A shading normal tilts the formula's hemisphere below the triangle. What would go there is mirrored
-at the triangle, as are mirror and occlusion rays (`raysvc.tracing`): no light is lost and none
-leaks through. Where both normals agree nothing is mirrored.
+A shading normal tilts the formula's hemispheres against the triangle. What would be reflected below
+the triangle, or go through to above it, is mirrored at the triangle, as are mirror and occlusion
+rays (`raysvc.tracing`): no light is lost, and none leaks. Where both normals agree nothing is.
 """
 
 import math
@@ -16,133 +16,156 @@ import numpy as np
 from raysvc.geometry.basis_kernels import basis
 from raysvc.geometry.vector_kernels import Vec3, dot, plus, row3, scaled, unit_or
 from raysvc.jit import inlined, kernel
-from raysvc.lighting.albedo_kernels import specular_terms
-from raysvc.lighting.brdf import (
-    MIN_COSINE,
-    fresnel_weight,
-    ggx_alpha,
-    ggx_density,
-    masking,
-    smith_visibility,
-    visible_normal,
+from raysvc.lighting.brdf import MIN_COSINE, ggx_alpha
+from raysvc.lighting.microfacet_reflection import reflection_lobe, reflection_sample
+from raysvc.lighting.microfacet_refraction import (
+    boundary_fresnel_weight,
+    refraction_lobe,
+    refraction_sample,
 )
+from raysvc.lighting.thin_transmission import thin_lobe, thin_sample
+from raysvc.reference.choice_kernels import COAT, DIFFUSE, MIRROR, THROUGH, coat_of
 from raysvc.reference.weight_kernels import mis_weight
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
-RED, GREEN, BLUE = 0.2126, 0.7152, 0.0722
-"""Luminance of linear Rec.709."""
-
-Axes = tuple[Vec3, Vec3, Vec3, Vec3]
-"""Tangent, bitangent and shading normal in the world; the view in these axes, not below them."""
-Lobes = tuple[float, float, float]
-"""GGX alpha; share of the specular lobe among drawn directions; Schlick's F0 of the dielectric."""
+Axes = tuple[Vec3, Vec3, Vec3]
+"""Tangent, bitangent and normal in the world."""
 Answer = tuple[float, float, float, float]
-"""RGB of BRDF times cosine, and the density of the direction per steradian."""
+"""RGB of BRDF or BTDF times cosine, and the density of the direction per steradian."""
 
 
 @inlined
-def axes_of(surface: Surface, n: int) -> Axes:
-    """Axes about the shading normal; in double precision, for narrow lobes live on digit seven."""
-    normal = row3(surface.normal, n)
+def axes_of(normals: Floats, n: int) -> Axes:
+    """Axes about a normal; in double precision, for narrow lobes live on the seventh digit."""
+    normal = row3(normals, n)
     normal = scaled(normal, 1.0 / math.sqrt(dot(normal, normal)))
     tangent, bitangent = basis(normal)
-    view = row3(surface.to_viewer, n)
-    upright = max(dot(view, normal), MIN_COSINE)
-    seen = unit_or((dot(view, tangent), dot(view, bitangent), upright), (0.0, 0.0, 1.0))
-    return tangent, bitangent, normal, seen
+    return tangent, bitangent, normal
 
 
 @inlined
-def lobes_of(surface: Surface, n: int, cosine: float, terms: Doubles) -> Lobes:
-    """What both lobes need to know; `terms` are those of `albedo.AlbedoTables.specular`."""
-    roughness, metal = np.float64(surface.roughness[n]), np.float64(surface.metallic[n])
-    base = (
-        RED * surface.base_colour[n, 0]
-        + GREEN * surface.base_colour[n, 1]
-        + BLUE * surface.base_colour[n, 2]
-    )
-    dielectric = np.float64(surface.dielectric_f0[n])
-    scale, bias = specular_terms(terms, cosine, roughness)
-    specular = (dielectric * (1.0 - metal) + base * metal) * scale + bias
-    diffuse = base * (1.0 - metal) * (1.0 - specular)
-    return ggx_alpha(roughness), specular / max(specular + diffuse, 1e-12), dielectric
-
-
-@inlined
-def _local(axes: Axes, direction: Vec3) -> Vec3:
+def local(axes: Axes, direction: Vec3) -> Vec3:
+    """Direction of the world in some axes."""
     return dot(direction, axes[0]), dot(direction, axes[1]), dot(direction, axes[2])
 
 
 @inlined
-def answer(surface: Surface, n: int, axes: Axes, lobes: Lobes, light: Vec3) -> Answer:
-    """BRDF times cosine towards a unit direction of the world, and that direction's density.
+def view_in(axes: Axes, surface: Surface, n: int) -> Vec3:
+    """The viewer's direction in some axes, not below them."""
+    x, y, z = local(axes, row3(surface.to_viewer, n))
+    return unit_or((x, y, max(z, MIN_COSINE)), (0.0, 0.0, 1.0))
 
-    Nothing for directions below the triangle.
-    """
+
+@inlined
+def eta_of(surface: Surface, n: int) -> float:
+    """Index on the viewer's side over that behind the boundary of a solid; 1 if there is none."""
+    if len(surface.glass.solid) == 0 or not surface.glass.solid[n] or surface.transmission[n] == 0:
+        return 1.0
+    ior = np.float64(surface.glass.ior[n])
+    return 1.0 / ior if surface.glass.entering[n] else ior
+
+
+@inlined
+def answer(surface: Surface, choice: Doubles, n: int, light: Vec3) -> Answer:
+    """Value and density of a material for light from a unit direction of the world."""
     red, green, blue, density = 0.0, 0.0, 0.0, 0.0
     across = row3(surface.geometric_normal, n)
     above = dot(across, light)
-    if above <= 0.0:
+    if above == 0.0 or (above < 0.0 and choice[n, THROUGH] == 0.0):
         return red, green, blue, density
-    alpha, share, dielectric = lobes
-    view = axes[3]
+    axes = axes_of(surface.normal, n)
+    view = view_in(axes, surface, n)
+    alpha = ggx_alpha(np.float64(surface.roughness[n]))
+    eta = eta_of(surface, n)
+    coat = coat_of(surface, n)
     metal = np.float64(surface.metallic[n])
+    dielectric = np.float64(surface.dielectric_f0[n]) * (1.0 - metal)
+    through = np.float64(surface.transmission[n])
     for mirrored in range(2):
-        # The direction itself, and the one below the triangle that is mirrored to it
+        # The direction itself, and the one across the triangle that is mirrored to it
         towards = light if mirrored == 0 else plus(light, across, -2.0 * above)
-        x, y, z = _local(axes, towards)
-        if z <= 0.0:
+        at = local(axes, towards)
+        if above > 0.0 and coat > 0.0:
+            coat_axes = axes_of(surface.coat.normal, n)
+            coat_view, place = view_in(coat_axes, surface, n), local(coat_axes, towards)
+            coat_alpha = ggx_alpha(np.float64(surface.coat.roughness[n]))
+            lobe, drawn_as, _ = reflection_lobe(coat_view, place, coat_alpha)
+            value = coat * lobe * place[2]
+            red, green, blue = red + value, green + value, blue + value
+            density += choice[n, COAT] * drawn_as
+        if (above > 0.0) != (at[2] > 0.0):
             continue
-        hx, hy, hz = x + view[0], y + view[1], z + view[2]
-        h2 = max(hx * hx + hy * hy + hz * hz, 1e-18)
-        voh = min((hx * view[0] + hy * view[1] + hz * view[2]) / math.sqrt(h2), 1.0)
-        weight = fresnel_weight(voh)
-        normals = ggx_density((hx * hx + hy * hy) / h2, alpha)
-        lobe = normals * smith_visibility(z, view[2], alpha) * z
+        lobe, drawn_as, voh = 0.0, 0.0, 1.0
+        diffuse, cosine = 0.0, abs(at[2])
+        if above > 0.0:
+            lobe, drawn_as, voh = reflection_lobe(view, at, alpha)
+            diffuse = (1.0 - metal) * (1.0 - through) / math.pi
+            density += choice[n, MIRROR] * drawn_as + choice[n, DIFFUSE] * cosine / math.pi
+        else:
+            if eta == 1.0:
+                lobe, drawn_as, voh = thin_lobe(view, at, alpha)
+            else:
+                lobe, drawn_as, voh = refraction_lobe(view, at, eta, alpha)
+            density += choice[n, THROUGH] * drawn_as
+        weight = boundary_fresnel_weight(voh, eta)
         for c in range(3):
             base = np.float64(surface.base_colour[n, c])
-            f0 = dielectric * (1.0 - metal) + base * metal
+            f0 = dielectric + base * metal
             fresnel = f0 + (1.0 - f0) * weight
-            value = (1.0 - fresnel) * base * (1.0 - metal) * z / math.pi + fresnel * lobe
+            if above > 0.0:
+                value = (1.0 - fresnel) * base * diffuse + fresnel * lobe
+            else:
+                value = (1.0 - fresnel) * base * (1.0 - metal) * through * lobe
+            value *= cosine * (1.0 - coat)
             red += value if c == 0 else 0.0
             green += value if c == 1 else 0.0
             blue += value if c == 2 else 0.0
-        density += share * masking(view[2], alpha) * normals / (4.0 * view[2])
-        density += (1.0 - share) * z / math.pi
     return red, green, blue, density
 
 
 @inlined
-def drawn(
-    surface: Surface, n: int, axes: Axes, lobes: Lobes, pick: float, u: float, v: float
-) -> Vec3:
-    """Unit direction of the world, above the triangle; zero where the formula sends nothing."""
-    alpha, share, _ = lobes
-    view = axes[3]
+def drawn(surface: Surface, choice: Doubles, n: int, pick: float, u: float, v: float) -> Vec3:
+    """Unit direction of the world out of a lobe; zero where the formula sends nothing."""
     turn = 2.0 * math.pi * v
     cos_turn, sin_turn = math.cos(turn), math.sin(turn)
-    if pick < share:
-        h = visible_normal(view, alpha, cos_turn, sin_turn, u)
-        twice = 2.0 * dot(view, h)
-        x, y, z = twice * h[0] - view[0], twice * h[1] - view[1], twice * h[2] - view[2]
-        if z <= 0.0:
-            return 0.0, 0.0, 0.0
+    goes_through = False
+    if pick < choice[n, COAT]:
+        axes = axes_of(surface.coat.normal, n)
+        alpha = ggx_alpha(np.float64(surface.coat.roughness[n]))
+        view = view_in(axes, surface, n)
+        at, weight, _ = reflection_sample(view, alpha, cos_turn, sin_turn, u)
     else:
-        radius = math.sqrt(u)
-        x, y, z = radius * cos_turn, radius * sin_turn, math.sqrt(1.0 - u)
-    direction = plus(plus(scaled(axes[0], x), axes[1], y), axes[2], z)
+        axes = axes_of(surface.normal, n)
+        alpha = ggx_alpha(np.float64(surface.roughness[n]))
+        view = view_in(axes, surface, n)
+        pick -= choice[n, COAT]
+        if pick < choice[n, MIRROR]:
+            at, weight, _ = reflection_sample(view, alpha, cos_turn, sin_turn, u)
+        elif pick < choice[n, MIRROR] + choice[n, DIFFUSE]:
+            radius = math.sqrt(u)
+            at, weight = (radius * cos_turn, radius * sin_turn, math.sqrt(1.0 - u)), 1.0
+        else:
+            goes_through = True
+            eta = eta_of(surface, n)
+            if eta == 1.0:
+                at, weight, _ = thin_sample(view, alpha, cos_turn, sin_turn, u)
+            else:
+                at, weight, _ = refraction_sample(view, eta, alpha, cos_turn, sin_turn, u)
+    if weight == 0.0:
+        return 0.0, 0.0, 0.0
+    direction = plus(plus(scaled(axes[0], at[0]), axes[1], at[1]), axes[2], at[2])
     across = row3(surface.geometric_normal, n)
     above = dot(across, direction)
-    if above < 0.0:
+    if (above < 0.0) != goes_through:
         direction = plus(direction, across, -2.0 * above)
     return unit_or(direction, (0.0, 0.0, 0.0))
 
 
 @kernel
 def reflect_samples(
-    terms: Doubles,
     surface: Surface,
+    choice: Doubles,
     to_light: Floats,
     radiance: Floats,
     density: Doubles,
@@ -153,24 +176,19 @@ def reflect_samples(
 
     Parameters
     ----------
-    surface, throughput
-        N points, and what part of their light (N, 3) the pixel sees
+    surface, choice, throughput
+        N points, the odds of their lobes, and what part of their light (N, 3) the pixel sees
     to_light, radiance, density
         unit directions (N, 3); radiance over the density with which each was drawn (N, 3), and that
         density per steradian (N,); inf for a light without size, which is not found in another way
     contribution
-        (N, 3) throughput times BRDF, cosine and radiance, weighted against finding the same light
-        by `scatter`
+        (N, 3) throughput times BRDF or BTDF, cosine and radiance, weighted against finding the same
+        light by `scatter`
     """
     for n in range(len(surface.normal)):
-        contribution[n, 0] = 0.0
-        contribution[n, 1] = 0.0
-        contribution[n, 2] = 0.0
-        if radiance[n, 0] == 0.0 and radiance[n, 1] == 0.0 and radiance[n, 2] == 0.0:
-            continue
-        axes = axes_of(surface, n)
-        lobes = lobes_of(surface, n, axes[3][2], terms)
-        red, green, blue, found = answer(surface, n, axes, lobes, row3(to_light, n))
+        red, green, blue, found = 0.0, 0.0, 0.0, 0.0
+        if radiance[n, 0] > 0.0 or radiance[n, 1] > 0.0 or radiance[n, 2] > 0.0:
+            red, green, blue, found = answer(surface, choice, n, row3(to_light, n))
         weight = mis_weight(density[n], found)
         contribution[n, 0] = throughput[n, 0] * radiance[n, 0] * red * weight
         contribution[n, 1] = throughput[n, 1] * radiance[n, 1] * green * weight
@@ -179,8 +197,8 @@ def reflect_samples(
 
 @kernel
 def scatter(
-    terms: Doubles,
     surface: Surface,
+    choice: Doubles,
     place: Doubles,
     pick: Doubles,
     directions: Floats,
@@ -191,18 +209,18 @@ def scatter(
 
     Parameters
     ----------
+    surface, choice
+        N points, and the odds of their lobes
     place, pick
         (N, 2) and (N,) random numbers in 0..1
     directions, density
         filled: unit directions (N, 3), and their densities per steradian (N,); 0 where a path ends
     throughput
-        (N, 3), multiplied by BRDF times cosine over the density
+        (N, 3), multiplied by BRDF or BTDF times cosine over the density
     """
     for n in range(len(surface.normal)):
-        axes = axes_of(surface, n)
-        lobes = lobes_of(surface, n, axes[3][2], terms)
-        direction = drawn(surface, n, axes, lobes, pick[n], place[n, 0], place[n, 1])
-        red, green, blue, found = answer(surface, n, axes, lobes, direction)
+        direction = drawn(surface, choice, n, pick[n], place[n, 0], place[n, 1])
+        red, green, blue, found = answer(surface, choice, n, direction)
         density[n] = found
         share = 1.0 / found if found > 0.0 else 0.0
         throughput[n, 0] *= red * share

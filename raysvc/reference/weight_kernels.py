@@ -4,8 +4,6 @@ Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo 
 power heuristic with exponent 2.
 """
 
-import math
-
 from raysvc.jit import inlined, kernel
 from raysvc.types import Doubles, Floats
 
@@ -16,7 +14,7 @@ def mis_weight(own: float, other: float) -> float:
 
     Both ways' weights of one direction sum to 1. A density that is inf is alone.
     """
-    if math.isinf(own):
+    if other == 0.0:
         return 1.0
     ratio = other / own
     return 1.0 / (1.0 + ratio * ratio)

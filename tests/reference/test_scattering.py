@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from raysvc.lighting.albedo import albedo_tables
-from raysvc.reference.scattering_kernels import reflect_samples, scatter
 from raysvc.reference.weight_kernels import mis_weights
 from tests.lighting.surfaces import random_directions, surface_of, views_of
 from tests.oracles.brdf import gltf_lobes
 from tests.oracles.directional_albedo import directional_albedo
+from tests.reference.scattered import answered, counted_and_claimed, scattered
 
 BASE = np.array([0.9, 0.5, 0.1])
 UP = np.array([0.0, 0.0, 1.0])
@@ -23,49 +22,6 @@ def points(count, cosine, metallic, roughness, geometric_normal=UP, base=BASE):
     up = np.tile(UP, (count, 1))
     surface = surface_of(up, view_at(cosine), base, metallic, roughness)
     return surface._replace(geometric_normal=np.tile(np.float32(geometric_normal), (count, 1)))
-
-
-def scattered(surface, rng):
-    """Directions, throughput of white light, densities."""
-    count = surface.size
-    directions = np.empty((count, 3), np.float32)
-    throughput, density = np.ones((count, 3), np.float32), np.empty(count)
-    # An even lattice, so that means are those of many more samples
-    index = np.arange(count)[:, None]
-    place = (index * [0.7548776662466927, 0.5698402909980532] + rng.random(2)) % 1.0
-    pick = (index[:, 0] * 0.6180339887498949 + rng.random()) % 1.0
-    scatter(albedo_tables().specular, surface, place, pick, directions, throughput, density)
-    return directions, throughput, density
-
-
-def answered(surface, to_light):
-    """BRDF times cosine towards directions (N, 3)."""
-    count = surface.size
-    white, value = np.ones((count, 3), np.float32), np.empty((count, 3), np.float32)
-    reflect_samples(
-        albedo_tables().specular,
-        surface,
-        np.ascontiguousarray(to_light, np.float32),
-        white,
-        np.full(count, np.inf),
-        white,
-        value,
-    )
-    return value
-
-
-def densities(surface, to_light):
-    """Density with which `scatter` draws directions (N, 3), from the weight of a light there."""
-    count = surface.size
-    white, value = np.ones((count, 3), np.float32), np.empty((count, 3), np.float32)
-    own = np.full(count, 1.0)
-    to_light = np.ascontiguousarray(to_light, np.float32)
-    terms = albedo_tables().specular
-    reflect_samples(terms, surface, to_light, white, own, white, value)
-    whole = answered(surface, to_light)
-    seen = whole[:, 0] > 0
-    weight = np.where(seen, value[:, 0].astype(float) / np.where(seen, whole[:, 0], 1), 1.0)
-    return np.sqrt(np.maximum(1.0 / weight - 1.0, 0.0))
 
 
 @pytest.mark.parametrize("metallic", [0.0, 0.3, 1.0])
@@ -118,35 +74,18 @@ def test_constant_light_gives_the_directional_albedo(rng, tilt_deg, metallic, ro
 def test_directions_are_drawn_with_the_density_that_is_claimed(rng, tilt_deg, metallic, roughness):
     tilt = np.radians(tilt_deg)
     geometric = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
-    count, cells = 400_000, (24, 36)
-    directions, throughput, density = scattered(
-        points(count, 0.5, metallic, roughness, geometric), rng
-    )
-    drawn = density > 0
-    # Expected in each cell of (z, azimuth), 64 places of each
-    z = (np.arange(cells[0] * 8) + 0.5) / (cells[0] * 4) - 1
-    azimuth = ((np.arange(cells[1] * 8) + 0.5) / (cells[1] * 8) - 0.5) * 2 * np.pi
-    z, azimuth = (a.reshape(-1) for a in np.meshgrid(z, azimuth, indexing="ij"))
-    sine = np.sqrt(1 - z**2)
-    at = np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), z], axis=1)
-    claimed = densities(points(len(at), 0.5, metallic, roughness, geometric), at)
-    claimed = claimed.reshape(cells[0], 8, cells[1], 8).mean(axis=(1, 3)) * 4 * np.pi
-    expected = claimed / claimed.size * count
+
+    def make(count):
+        return points(count, 0.5, metallic, roughness, geometric)
+
+    counted, expected, drawn = counted_and_claimed(make, 400_000, rng)
     assert expected.sum() == pytest.approx(drawn.sum(), rel=5e-3)
-    seen = directions[drawn].astype(float)
-    counted = np.histogram2d(
-        seen[:, 2],
-        np.arctan2(seen[:, 1], seen[:, 0]),
-        cells,
-        [[-1, 1], [-np.pi, np.pi]],
-    )[0]
     many = expected > 100
     assert many.sum() > 40
     # Chi-square would count the grid's own error; few per cent of a cell are that and noise
     error = (counted - expected)[many] / np.sqrt(expected[many] + (0.02 * expected[many]) ** 2)
     assert np.abs(error).max() < 5
     assert np.square(error).mean() < 1.5
-    assert (throughput[~drawn] == 0).all()
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.4])
