@@ -62,6 +62,15 @@ def test_a_deformed_scene_looks_as_if_it_had_been_made_so(structure: str, trees:
     same(frame, expected)
 
 
+def test_paths_find_a_deformed_scene_as_if_it_had_been_made_so() -> None:
+    scene, settings = specimen(), {"mode": "reference", "samples": 2, "structure": "bvh"}
+    rendered(scene, **settings)
+    deformed = scene.deformed(twisted(scene, 0.2))
+    frame = rendered(deformed, **settings)
+    assert frame.statistics.build["refitted"]
+    same(frame, rendered(made_anew(deformed), **settings))
+
+
 def test_a_scene_whose_vertices_stay_looks_the_same() -> None:
     scene = still_life()
     same(
