@@ -5,14 +5,16 @@
 Prints a Markdown table. One sample per pixel, taken at its centre, is filtered by each of the
 filters; the truth is the mean of 256 samples that read the texture at points (64 in each quarter of
 a pixel: `aa=full` with `aa_samples=64` and `bilinear`, at twice the size). Only what the torus
-reflects of the board is compared: pixels all of whose quarters show the torus, and in which no
-sample reflects anything else. Errors are of linear radiance, where white is 1.
+reflects of the boards is compared: pixels of which all of 16 parts show a board in the torus.
+Errors are of linear radiance, where white is 1.
 """
 
 import argparse
 import sys
 import time
+from contextlib import ExitStack
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 from PIL import Image
@@ -20,13 +22,21 @@ from PIL import Image
 import raysvc
 from raysvc.builtin.mesh import Part, scene_of
 from raysvc.builtin.shapes import sheet, torus
-from raysvc.scene import Material, Scene, Texture, TextureRef
+from raysvc.frame import points, primary
+from raysvc.imaging.srgb import srgb_from_linear
+from raysvc.scene import Camera, Material, Scene, Texture, TextureRef
+from raysvc.tracing.differentials import primary_differentials
+from raysvc.tracing.ray_differentials import RayDifferentials
 from raysvc.types import Bools, Bytes, Floats
 
 FILTERS = ("nearest", "bilinear", "mip", "sat", "ewa")
+WIDTHS = (0.8, 0.9, 1.0, 1.1, 1.2, 1.5)
+"""Of footprints, in pixels, that are tried."""
 CAMERA = {"eye": [0.0, 2.2, 4.4], "target": [0.0, 1.45, 0.0], "fov_y_deg": 36}
 PLAIN = {"occlusion_samples": 0, "shadows": False, "lens": "none", "tone_map": "linear"}
-TRUTH = {"aa": "full", "aa_samples": 64, "texture_filter": "bilinear"}
+TRUTH = {"aa": "full", "texture_filter": "bilinear"}
+SAMPLES = 64
+"""In each quarter of a pixel."""
 BOARD_SIZE = 60.0
 FIELDS = 16
 """Fields of the board along a side of its texture, which is repeated."""
@@ -61,6 +71,13 @@ def main() -> None:
         absolute, square = errors(radiance, truth, compared)
         lines.append(f"| `{name}` | {absolute:.4f} | {square:.4f} | {seconds:.2f} |")
         shown[name] = radiance
+    lines += ["", "| width of a pixel's step | `sat` | `ewa` |", "|---|---|---|"]
+    for width_px in WIDTHS:
+        row = [
+            errors(rendered(scene, width, height, name, width_px)[1], truth, compared)[1]
+            for name in ("sat", "ewa")
+        ]
+        lines.append(f"| {width_px} | {row[0]:.4f} | {row[1]:.4f} |")
     sys.stdout.write("\n".join(lines) + "\n")
     if arguments.picture:
         picture([shown[name] for name in ("bilinear", "mip", "sat", "ewa", "256 samples")]).save(
@@ -89,20 +106,32 @@ def _scene(texels: Bytes) -> Scene:
     )
 
 
-def rendered(scene: Scene, width: int, height: int, name: str) -> tuple[float, Floats]:
-    """Seconds, and linear radiance (H, W, 3) with one sample per pixel, by one filter."""
+def rendered(
+    scene: Scene, width: int, height: int, name: str, width_px: float = 1.0
+) -> tuple[float, Floats]:
+    """Seconds, and linear radiance (H, W, 3) with one sample per pixel, by one filter.
+
+    With `width_px` other than 1 footprints are so many pixels wide.
+    """
     settings = PLAIN | {"aa": "none", "texture_filter": name}
     view = CAMERA | {"width": width, "height": height}
-    raysvc.render(scene, _dark(), view, settings)
-    start = time.perf_counter()
-    frame = raysvc.render(scene, _dark(), view, settings)
-    return time.perf_counter() - start, frame.layers["beauty"][..., :3]
+
+    def widened(camera: Camera, directions: Floats, _: float = 1.0) -> RayDifferentials:
+        return primary_differentials(camera, directions, width_px)
+
+    with ExitStack() as stack:
+        for module in (points, primary):
+            stack.enter_context(mock.patch.object(module, "primary_differentials", widened))
+        raysvc.render(scene, _dark(), view, settings)
+        start = time.perf_counter()
+        frame = raysvc.render(scene, _dark(), view, settings)
+        return time.perf_counter() - start, frame.layers["beauty"][..., :3]
 
 
-def true_radiance(scene: Scene, width: int, height: int) -> Floats:
-    """Linear radiance (H, W, 3), the mean of 256 samples per pixel that read single points."""
+def true_radiance(scene: Scene, width: int, height: int, samples: int = SAMPLES) -> Floats:
+    """Linear radiance (H, W, 3), the mean of 4 x `samples` per pixel that read single points."""
     view = CAMERA | {"width": 2 * width, "height": 2 * height}
-    frame = raysvc.render(scene, _dark(), view, PLAIN | TRUTH)
+    frame = raysvc.render(scene, _dark(), view, PLAIN | TRUTH | {"aa_samples": samples})
     return _quarters(frame.layers["beauty"][..., :3]).mean(axis=(1, 3), dtype=np.float32)
 
 
@@ -127,12 +156,10 @@ def errors(radiance: Floats, truth: Floats, compared: Bools) -> tuple[float, flo
 
 
 def picture(radiances: list[Floats]) -> Image.Image:
-    """The torus by each of the filters side by side, tone for tone."""
-    parts = [np.clip(radiance, 0.0, 1.0) for radiance in radiances]
-    encoded = np.hstack(
-        [np.where(p < 0.0031308, 12.92 * p, 1.055 * p ** (1 / 2.4) - 0.055) for p in parts]
-    )
-    return Image.fromarray((encoded * 255 + 0.5).astype(np.uint8))
+    """The torus by each of the filters side by side, without what is left and right of it."""
+    margin = radiances[0].shape[1] // 8
+    parts = [srgb_from_linear(np.clip(r[:, margin:-margin], 0.0, 1.0)) for r in radiances]
+    return Image.fromarray((np.hstack(parts) * 255 + 0.5).astype(np.uint8))
 
 
 def _dark() -> raysvc.Environment:

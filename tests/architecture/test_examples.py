@@ -31,6 +31,7 @@ def service_in(folder: Path) -> FastAPI:
         "docs/comparing_structures.md",
         "docs/comparing_pictures.md",
         "docs/deforming.md",
+        "docs/texture_filtering.md",
     ],
 )
 def test_examples_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
