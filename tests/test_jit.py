@@ -4,11 +4,12 @@ import os
 import stat
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 
 from raysvc import jit
-from raysvc.jit import inlined, kernel, kernel_cache_dir, source_hash
+from raysvc.jit import inlined, inlined_allocating, kernel, kernel_cache_dir, source_hash
 
 
 @pytest.fixture
@@ -97,3 +98,31 @@ def reciprocal(x):
 def reciprocals(x, out):
     for k in range(len(x)):
         out[k] = reciprocal(x[k])
+
+
+def test_what_is_inlined_makes_arrays_only_if_it_says_so():
+    out = np.zeros(3)
+    write_doubled(np.array([1.0, 2.0, 3.0]), out)
+    assert out.tolist() == [2, 4, 6]
+    with pytest.raises(numba.TypingError):
+        room()
+
+
+@inlined
+def room():
+    return np.empty(3)
+
+
+@inlined_allocating
+def doubled(x):
+    out = np.empty_like(x)
+    for k in range(len(x)):
+        out[k] = 2.0 * x[k]
+    return out
+
+
+@kernel
+def write_doubled(x, out):
+    more = doubled(x)
+    for k in range(len(x)):
+        out[k] = more[k]

@@ -12,6 +12,7 @@ nor NaN leaves.
 
 import math
 
+from raysvc.geometry.refraction import transmitted_cosine
 from raysvc.geometry.vector_kernels import Vec3, cross, dot, plus, scaled
 from raysvc.jit import inlined
 
@@ -72,29 +73,18 @@ def reflected_step(direction: Vec3, direction_step: Vec3, normal: Vec3, normal_s
 
 
 @inlined
-def refracted(direction: Vec3, normal: Vec3, eta: float) -> Vec3:
-    """Direction of the refracted ray, a unit vector; zero where all light is reflected.
+def refracted_step(
+    direction: Vec3, direction_step: Vec3, normal: Vec3, normal_step: Vec3, eta: float
+) -> Vec3:
+    """What the refracted direction eta D - mu N changes by; zero where all light is reflected.
 
     `normal` is on the side from which the ray comes; eta is the index of refraction there over that
     beyond.
     """
     cosine = dot(direction, normal)
-    square = 1.0 - eta * eta * (1.0 - cosine * cosine)
-    if square <= 0.0:
+    beyond = -transmitted_cosine(-cosine, eta)
+    if beyond == 0.0:
         return NO_STEP
-    return plus(scaled(direction, eta), normal, -(eta * cosine + math.sqrt(square)))
-
-
-@inlined
-def refracted_step(
-    direction: Vec3, direction_step: Vec3, normal: Vec3, normal_step: Vec3, eta: float
-) -> Vec3:
-    """What the `refracted` direction eta D - mu N changes by; zero where all light is reflected."""
-    cosine = dot(direction, normal)
-    square = 1.0 - eta * eta * (1.0 - cosine * cosine)
-    if square <= 0.0:
-        return NO_STEP
-    beyond = -math.sqrt(square)
     cosine_step = dot(direction_step, normal) + dot(direction, normal_step)
     mu = eta * cosine - beyond
     mu_step = (eta - eta * eta * cosine / away_from_zero(beyond)) * cosine_step

@@ -4,12 +4,11 @@ Igehy 1999, "Tracing Ray Differentials", for the pixel; a cone beside it for the
 mirrors (Amanatides 1984, "Ray Tracing with Cones"), whose widening a curved mirror changes as it
 does a pixel's.
 
-    camera -> primary_differentials -> footprint_at -> reflected | refracted | passed_straight
-                                            ^                            |
-                                            +----------------------------+
+    camera -> primary_differentials -> footprint_at -> reflected | refracted
+                                            ^                  |
+                                            +------------------+
 
-`footprint_at` says what is seen where a ray arrives, and the other three how its continuation
-begins.
+`footprint_at` says what is seen where a ray arrives, and the other two how its continuation begins.
 """
 
 import numpy as np
@@ -130,25 +129,8 @@ def refracted(
     """Differentials of rays that are refracted, into directions (N, 3); see `reflected`.
 
     `eta` (N,) float32, above 0, is the index of refraction where the ray comes from over that where
-    it goes.
+    it goes: 1 for thin panes.
     """
     leaving = RayDifferentials.empty(len(triangle))
     continued(geometry, triangle, surface, directions, arriving, footprint, widening, eta, leaving)
     return leaving
-
-
-def passed_straight(
-    arriving: RayDifferentials, footprint: Footprint, widening: Floats
-) -> RayDifferentials:
-    """Differentials of rays that go on as they came: through thin panes and what is cut out.
-
-    `widening` (N,) is what a rough pane adds.
-    """
-    return RayDifferentials(
-        footprint.dpdx,
-        footprint.dpdy,
-        arriving.direction_dx,
-        arriving.direction_dy,
-        footprint.blur,
-        np.hypot(arriving.widening, widening),
-    )

@@ -14,7 +14,6 @@ from raysvc.shading.footprint import Footprint
 from raysvc.shading.scene_tables import SceneTables
 from raysvc.tracing.differentials import (
     footprint_at,
-    passed_straight,
     pixel_angle,
     primary_differentials,
     reflected,
@@ -285,24 +284,25 @@ def test_a_cone_narrows_inside_glass_and_widens_again_behind_it():
     assert through(1.0).widening[0] == pytest.approx(0.1, rel=1e-4)
 
 
-def test_what_passes_straight_goes_on_as_if_there_were_nothing():
+def test_behind_a_thin_pane_everything_goes_on_as_if_there_were_nothing():
     eye = camera(width=8, height=6)
-    pixel = np.arange(48)
-    near, far = quad(z=0.0, half=9), quad(z=-2.0, half=9)
-    _, directions = eye.rays(pixel)
+    _, directions = eye.rays(np.arange(48))
+    triangle, depth = np.zeros(48, np.int32), -directions[:, 2]
+
+    def seen(z, distance, differentials):
+        tables = SceneTables.of(quad(z=z, half=9))
+        t = (distance / depth).astype(np.float32)
+        return tables, footprint_at(tables.geometry, triangle, t, directions, differentials)
+
     differentials = primary_differentials(eye, directions)
-    triangle = np.zeros(48, np.int32)
-
-    def seen(scene, t, differentials):
-        geometry = SceneTables.of(scene).geometry
-        return footprint_at(geometry, triangle, t.astype(np.float32), directions, differentials)
-
-    depth = -directions[:, 2]
-    pane = seen(near, 5 / depth, differentials)
+    tables, pane = seen(0.0, 5.0, differentials)
     assert pane.blur.max() == 0
-    behind = passed_straight(differentials, pane, np.full(48, 0.1, np.float32))
-    through = seen(far, 2 / depth, behind)
-    direct = seen(far, 7 / depth, differentials)
+    surface = tables.surface(triangle, np.full((48, 2), 0.3, np.float32), directions)
+    rough, one = np.full(48, 0.1, np.float32), np.ones(48, np.float32)
+    behind = refracted(
+        tables.geometry, triangle, surface, directions, differentials, pane, rough, one
+    )
+    through, direct = seen(-2.0, 2.0, behind)[1], seen(-2.0, 7.0, differentials)[1]
     assert through.dpdx == pytest.approx(direct.dpdx, rel=1e-4, abs=1e-6)
     assert through.dpdy == pytest.approx(direct.dpdy, rel=1e-4, abs=1e-6)
     assert through.blur == pytest.approx(0.1 * 2 / depth, rel=1e-5)
