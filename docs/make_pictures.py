@@ -51,7 +51,7 @@ def reference() -> None:
     scene = raysvc.load("builtin:shiny")
     studio = raysvc.load_environment("builtin:studio")
     view = {"gltf_camera": "default", "width": 400, "height": 225, "aperture_radius": 0.04}
-    modes = {"aa": "full", "bounces": 3}, {"mode": "reference", "samples": 1024}
+    modes = {"aa": "full", "bounces": 3}, {"mode": "reference", "samples": 256}
     frames = [raysvc.render(scene, studio, view, settings) for settings in modes]
     _save("reference", np.hstack([frame.display()[..., :3] for frame in frames]))
 
