@@ -17,8 +17,9 @@ from raysvc.frame.reflections import leaving
 from raysvc.frame.shared_rays import beside
 from raysvc.parallel import for_chunks
 from raysvc.raster.edges import edge_mask
+from raysvc.raster.pixel_samples import sample_offsets
 from raysvc.tracing.occlusion import tile_of
-from raysvc.types import Bools, Doubles, Floats, Ints, Longs
+from raysvc.types import Bools, Floats, Ints, Longs
 
 
 def antialias(draft: Draft) -> None:
@@ -47,17 +48,6 @@ def _flagged(draft: Draft) -> Bools:
     part = layers["object"] * len(draft.prepared.scene.materials) + layers["material"]
     part = np.maximum(part, -1).astype(np.int32)
     return edge_mask(part, layers["depth"], layers["normal"])
-
-
-def sample_offsets(count: int) -> Doubles:
-    """(count, 2) places in a pixel, from its centre, evenly spread.
-
-    The R2 sequence: Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences".
-    """
-    index = np.arange(1, count + 1)[:, None]
-    steps = np.array([0.7548776662466927, 0.5698402909980532])
-    offsets: Doubles = (0.5 + index * steps) % 1.0 - 0.5
-    return offsets
 
 
 def _sampled(draft: Draft, pixel: Longs) -> Floats:
