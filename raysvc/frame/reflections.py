@@ -18,7 +18,9 @@ class Reflection(NamedTuple):
     weight: Floats
     """(N,) how much the ray counts in the mean of the rays of its lobe; 1 for mirrors."""
     spread_px: Floats
-    """(N,) half width of the lobe where the ray ends, in pixels; -1 where there was no ray."""
+    """(N,) half width of the ray's cone where it ends, in pixels; -1 where there was no ray."""
+    lobe_px: Floats
+    """(N,) that of a ray in the middle of the lobe; -1 where there was no ray."""
     triangle: Ints
     """(N,) what a mirror shows: the triangle, or -1. Rough surfaces show none."""
     distance: Floats
@@ -35,6 +37,7 @@ class Reflection(NamedTuple):
             np.zeros((count, 3), np.float32),
             np.zeros(count, np.float32),
             np.ones(count, np.float32),
+            np.full(count, -1.0, np.float32),
             np.full(count, -1.0, np.float32),
             np.full(count, -1, np.int32),
             np.full(count, np.inf, np.float32),
@@ -53,7 +56,9 @@ class Transmission(NamedTuple):
     weight: Floats
     """(N,) how much the ray counts in the mean of the rays of its lobe; 1 for smooth glass."""
     spread_px: Floats
-    """(N,) half width of the lobe where the ray ends, in pixels; -1 where there was no ray."""
+    """(N,) half width of the ray's cone where it ends, in pixels; -1 where there was no ray."""
+    lobe_px: Floats
+    """(N,) that of a ray in the middle of the lobe; -1 where there was no ray."""
 
     @staticmethod
     def none(count: int) -> "Transmission":
@@ -62,6 +67,7 @@ class Transmission(NamedTuple):
             np.zeros((count, 3), np.float32),
             np.zeros((count, 3), np.float32),
             np.ones(count, np.float32),
+            np.full(count, -1.0, np.float32),
             np.full(count, -1.0, np.float32),
         )
 

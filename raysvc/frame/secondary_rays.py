@@ -156,7 +156,9 @@ class SecondaryRays:
         self._ledger.bounce(depth.bounce, len(shiny), energy)
         reflection.radiance[from_] = followed.radiance
         reflection.share[from_] = gloss[from_]
-        reflection.spread_px[shiny] = _spread_px(half_width, differentials, followed.hits.t)
+        pixel = _pixels_per_radian(differentials, followed.hits.t)
+        reflection.spread_px[shiny] = half_width * pixel
+        reflection.lobe_px[shiny] = 2.0 * mirror.surface.roughness**2 * pixel
         _show(reflection, shiny, followed)
         if surface.coat.size:
             self._reflect_in_varnish(seen, throughput, depth, reflection)
@@ -230,7 +232,9 @@ class SecondaryRays:
             rays.directions[missed], half_width[missed]
         )
         transmission.radiance[index[followed.met]] = followed.radiance
-        transmission.spread_px[index] = _spread_px(half_width, differentials, followed.hits.t)
+        pixel = _pixels_per_radian(differentials, followed.hits.t)
+        transmission.spread_px[index] = half_width * pixel
+        transmission.lobe_px[index] = 2.0 * pane.surface.roughness**2 * pixel
         return transmission
 
     def _follow(
@@ -304,10 +308,10 @@ def _core(surface: Surface, half_width: Floats) -> Floats:
     return np.square(part.astype(np.float32))
 
 
-def _spread_px(half_width: Floats, differentials: RayDifferentials, t: Floats) -> Floats:
-    """(R,) how many pixels cones of half_width (R,) radians cover at t (R,)."""
+def _pixels_per_radian(differentials: RayDifferentials, t: Floats) -> Floats:
+    """(R,) how many pixels a radian covers at t (R,), seen from where the rays begin."""
     angle = differential.pixel_angle(differentials, t)
-    return np.divide(half_width, np.maximum(angle, np.float32(1e-9)), dtype=np.float32)
+    return np.divide(np.float32(1.0), np.maximum(angle, np.float32(1e-9)), dtype=np.float32)
 
 
 def _show(reflection: Reflection, shiny: Longs, followed: Followed) -> None:

@@ -19,6 +19,11 @@ from raysvc.types import Bools, Doubles, Floats, Longs
 
 Brought = TypeVar("Brought", Reflection, Transmission)
 
+MORE = 3
+"""Further rays of a point whose lobe is too narrow for neighbours to share, yet not a mirror's."""
+NARROW_PX = (0.3, 4.0)
+"""Half widths of such lobes, where they end, in pixels."""
+
 
 def trace_beyond(draft: Draft) -> None:
     """Trace rays from shiny points and through glass, and share those of rough surfaces."""
@@ -88,6 +93,17 @@ def _traced(
     in_front[draft.front[draft.front >= 0]] = True
     pattern = tile_points(draft.settings.seed)
 
+    def into_lobes(seen: Seen, place: Longs) -> Brought:
+        brought = trace(seen, pattern[place])
+        low, high = NARROW_PX
+        few = np.flatnonzero((brought.lobe_px > low) & (brought.lobe_px < high))
+        some_seen = records.chosen(seen, few)
+        # The places of a block of 2 x 2 pixels are a net: its four points complete each other.
+        rays: list[Brought] = [records.chosen(brought, few)]
+        rays += [trace(some_seen, pattern[place[few] ^ k]) for k in range(1, 1 + MORE)]
+        _put_mean(brought, few, rays)
+        return brought
+
     def some(begin: int, end: int) -> Brought:
         seen = points.seen(draft.camera, begin, end)
         # Points behind others have no neighbours to share with.
@@ -95,7 +111,7 @@ def _traced(
         behind = np.flatnonzero(~in_front[begin:end])
         place = place_in_tile(points.pixel[begin + front], draft.camera.width)
         parts = [
-            trace(records.chosen(seen, front), pattern[place]),
+            into_lobes(records.chosen(seen, front), place),
             trace(records.chosen(seen, behind), None),
         ]
         order = np.argsort(np.concatenate([front, behind]))
@@ -103,6 +119,26 @@ def _traced(
 
     parts = map_chunks(len(points.pixel), CHUNK, some, draft.control, "reflections")
     return records.joined(parts or [none(0)])
+
+
+def _put_mean(brought: Brought, few: Longs, rays: list[Brought]) -> None:
+    """Write the mean of several rays of the same points to rows `few` of what they brought."""
+    weight = np.sum([ray.weight for ray in rays], axis=0)
+    shares = [
+        ray.weight * (ray.share if isinstance(ray, Reflection) else np.float32(1.0)) for ray in rays
+    ]
+    met = np.sum(shares, axis=0)
+    light = np.sum(
+        [share[:, None] * ray.radiance for share, ray in zip(shares, rays, strict=True)], axis=0
+    )
+    brought.radiance[few] = light / np.maximum(met, np.float32(1e-30))[:, None]
+    brought.weight[few] = weight
+    if isinstance(brought, Reflection):
+        brought.share[few] = met / np.maximum(weight, np.float32(1e-30))
+    # Together they stand for the lobe as one ray with a part of their cones would.
+    spread = np.sum([ray.weight * np.maximum(ray.spread_px, 0.0) for ray in rays], axis=0)
+    part = np.float32(1.0 / len(rays)) ** np.float32(0.5)
+    brought.spread_px[few] = part * spread / np.maximum(weight, np.float32(1e-30))
 
 
 def _picture(draft: Draft, brought: Reflection | Transmission, share: Floats) -> GlossPicture:

@@ -12,6 +12,9 @@ SAME_NORMAL = 0.9
 SAME_ROUGHNESS = 0.1
 """Difference in roughness of pixels that are taken to be one surface."""
 LEAST_WEIGHT = 1e-2
+LEAST_SIGMA_PX = 0.45
+"""Of rough surfaces: a ray in the tail of its lobe, which counts little, is then not all that its
+pixel has. A mirror's ray is."""
 
 
 @kernel
@@ -46,7 +49,9 @@ def gather_gloss(
                 if share[y, x] < 0.0:
                     continue
                 apart2 = float((x - col) * (x - col) + (y - row) * (y - row))
-                sigma = max(spread_px[y, x], 0.25)
+                sigma = max(spread_px[y, x], LEAST_SIGMA_PX)
+                if spread_px[y, x] == 0.0 and apart2 > 0.0:
+                    continue
                 near = math.exp(-0.5 * apart2 / (sigma * sigma))
                 if near < LEAST_WEIGHT:
                     continue

@@ -11,7 +11,9 @@ def gathered(picture, gather, row, col, depth, normal, roughness, reach=4):
         for x in range(width):
             if max(abs(y - row), abs(x - col)) > reach or picture.share[y, x] < 0:
                 continue
-            sigma = max(gather * float(picture.spread_px[y, x]), 0.25)
+            if picture.spread_px[y, x] == 0 and (y, x) != (row, col):
+                continue
+            sigma = max(gather * float(picture.spread_px[y, x]), 0.45)
             near = math.exp(-((y - row) ** 2 + (x - col) ** 2) / (2 * sigma**2))
             alike = (
                 near >= 0.01
