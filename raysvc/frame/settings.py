@@ -83,8 +83,10 @@ class Settings(BaseModel):
         description="`spread` gives depth of field when the camera has an aperture; `none` never.",
     )
     lens_order: Literal[1] = Field(1, description="Order of the spreading filter; 1 is a box.")
-    aa: Literal["edges", "full", "none"] = Field(
-        "edges", description="Extra samples on `edges` only, on the `full` picture, or `none`."
+    aa: Literal["edges", "directional", "full", "none"] = Field(
+        "edges",
+        description="Extra samples on `edges` only, or on the `full` picture; `directional` "
+        "smooths edges along themselves without any; or `none`.",
     )
     aa_samples: int = Field(
         8, ge=1, le=64, description="Samples per pixel where anti-aliasing applies."

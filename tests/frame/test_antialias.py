@@ -1,0 +1,59 @@
+"""Anti-aliasing of whole frames: which pixels are flagged, and that it helps where it should."""
+
+import numpy as np
+
+import raysvc
+from raysvc.builtin.mesh import Part, scene_of
+from raysvc.builtin.shapes import box, sheet
+from raysvc.scene import Material
+from tests.frame.subjects import MIRROR, constant_environment
+
+VIEW = {"eye": [0.0, 2.0, 5.0], "target": [0.0, 0.0, 0.0], "width": 64, "height": 48}
+PLAIN = {"occlusion_samples": 0, "aa_samples": 16}
+
+
+def before_a_mirror() -> raysvc.Scene:
+    """A slanted glowing beam above a mirror floor, out of sight but for its reflection."""
+    glow = Material(base_colour=(0, 0, 0, 1), metallic=0.0, emissive=(1.0, 1.0, 1.0))
+    beam = box(8.0, 0.5, 0.5).turned(20, 1).moved([0, 4.0, -4.0])
+    return scene_of("mirror", [Part(sheet(12, 12, 1, 1), 0), Part(beam, 1)], [MIRROR, glow])
+
+
+def rendered(aa: str) -> raysvc.Frame:
+    return raysvc.render(before_a_mirror(), constant_environment(0.1), VIEW, PLAIN | {"aa": aa})
+
+
+def error(frame: raysvc.Frame, truth: raysvc.Frame) -> float:
+    return float(np.square(frame.layers["beauty"] - truth.layers["beauty"]).mean())
+
+
+def test_edges_in_a_mirror_are_found_and_smoothed() -> None:
+    none, edges, full = (rendered(aa) for aa in ("none", "edges", "full"))
+    floor = none.layers["object"] == 0
+    flagged = (edges.layers["edge"] > 0) & floor
+    # The floor is one flat face: what is flagged on it is in the mirror.
+    assert 10 < flagged.sum() < 0.3 * floor.sum()
+    assert edges.statistics.edge_fraction == np.mean(edges.layers["edge"])
+    assert error(edges, full) < 0.1 * error(none, full)
+
+
+def test_directional_lies_between_none_and_edges_and_traces_nothing() -> None:
+    none, directional, edges, full = (
+        rendered(aa) for aa in ("none", "directional", "edges", "full")
+    )
+    assert error(edges, full) < error(directional, full) < error(none, full)
+    assert directional.statistics.rays == none.statistics.rays
+    assert (directional.layers["edge"] == edges.layers["edge"]).all()
+
+
+def test_borders_that_cannot_be_seen_take_no_samples() -> None:
+    """Two boxes of one colour, one in front of the other, that glow alike."""
+    glow = Material(base_colour=(0, 0, 0, 1), metallic=0.0, emissive=(1.0, 1.0, 1.0), ior=1.0)
+    scene = scene_of(
+        "alike",
+        [Part(box(9.0, 9.0, 0.1).moved([0, -4.5, -2]), 0), Part(box(1.0, 1.0, 0.1), 1)],
+        [glow, glow],
+    )
+    frame = raysvc.render(scene, constant_environment(0.0), VIEW, PLAIN)
+    assert len(np.unique(frame.layers["object"])) == 2
+    assert frame.statistics.edge_fraction == 0.0
