@@ -8,7 +8,7 @@ import numpy as np
 
 from raysvc.builtin.mesh import Mesh, Part, camera_at, merged, scene_of
 from raysvc.builtin.shapes import sheet
-from raysvc.scene import Material, PunctualLight, Scene
+from raysvc.scene import Material, Scene
 from raysvc.types import Doubles
 
 WHITE, RED, GREEN, LIGHT = range(4)
@@ -19,8 +19,6 @@ MATERIALS = (
     Material("green", (0.14, 0.45, 0.091, 1.0), metallic=0.0, roughness=1.0),
     Material("light", (0.78, 0.78, 0.78, 1.0), metallic=0.0, roughness=1.0, emissive=EMISSION),
 )
-LAMP_INTENSITY = 0.022
-"""Radiant intensity of the point light over the lamp's radiance, in square metres."""
 SIZE = np.array([0.5560, 0.5488, 0.5592])
 LAMP = ((0.213, 0.343), (0.227, 0.332))
 """The lamp's extent in the measurements' x and z."""
@@ -31,7 +29,7 @@ TALL_BLOCK = (((0.423, 0.247), (0.265, 0.296), (0.314, 0.456), (0.472, 0.406)), 
 
 
 def cornell() -> Scene:
-    """Return the scene. A point light below the lamp stands for the light that the lamp gives."""
+    """Return the scene."""
     width, height, depth = SIZE
     level, upright = sheet(width, depth, 8, 8), sheet(depth, height, 8, 8).turned(90, 0)
     white = [
@@ -51,13 +49,10 @@ def cornell() -> Scene:
         Part(_block(*TALL_BLOCK), WHITE),
         Part(sheet(x1 - x0, z1 - z0, 1, 1).turned(180, 2).moved(lamp_centre), LIGHT),
     ]
-    x, y, z = (float(value) for value in lamp_centre)
-    red, green, blue = (LAMP_INTENSITY * channel for channel in EMISSION)
     return scene_of(
         "cornell",
         parts,
         MATERIALS,
-        lights=[PunctualLight("point", (red, green, blue), (x, y - 0.1, z), name="lamp")],
         cameras=[camera_at((0.0, 0.273, 1.0796), (0.0, 0.273, 0.0), 39.3, 1.0)],
     )
 

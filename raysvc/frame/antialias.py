@@ -19,9 +19,11 @@ from raysvc.frame.primary import CHUNK, evaluated, traced
 from raysvc.frame.reflections import leaving
 from raysvc.frame.shared_rays import beside
 from raysvc.imaging.directional_kernels import contrasts, smooth_along_edges
+from raysvc.lighting.ambient import Ambient
 from raysvc.parallel import for_chunks
 from raysvc.raster.edges import edge_mask
 from raysvc.raster.pixel_samples import sample_offsets
+from raysvc.tracing.neighbours import BESIDE
 from raysvc.tracing.occlusion import tile_of
 from raysvc.types import Bools, Floats, Ints, Longs
 
@@ -126,9 +128,10 @@ def _sampled(draft: Draft, pixel: Longs, mirrored: Bools) -> Floats:
 def _shaded(draft: Draft, points: Points, pixels_per_step: float) -> Floats:
     """(N, 3) radiance of points beside pixel centres."""
     surface, illumination = points.surface, draft.illumination
-    lit = illumination.lit(
-        surface, points.footprint, illumination.direct(surface), _visible_at(draft, points)
-    )
+    direct = illumination.direct.punctual(surface)
+    for shadow in draft.shadows:
+        direct += shadow.at(points)
+    lit = illumination.lit(surface, points.footprint, direct, _ambient_at(draft, points))
     return leaving(lit, *beside(draft, points, lit, pixels_per_step))
 
 
@@ -142,10 +145,12 @@ def _shared(place: Longs, triangle: Ints) -> tuple[Longs, Longs]:
     return first, group
 
 
-def _visible_at(draft: Draft, points: Points) -> Floats:
-    """Ambient visibility of samples beside pixel centres: the neighbours' on the same surface."""
-    visible = draft.visibility.beside(points.pixel, points.depth, points.surface.normal)
-    alone = np.flatnonzero(visible < 0)
+def _ambient_at(draft: Draft, points: Points) -> Ambient:
+    """What arrives at samples beside pixel centres: as at their neighbours on the same surface."""
+    columns = draft.neighbours.mean(
+        draft.ambient, BESIDE, points.pixel, points.depth, points.surface.normal
+    )
+    alone = np.flatnonzero(np.isnan(columns[:, 0]))
     tile = tile_of(points.pixel[alone], draft.camera.width)
-    visible[alone] = draft.illumination.occlusion(points.surface.chosen(alone), tile)
-    return visible
+    columns[alone] = draft.illumination.ambient(points.surface.chosen(alone), tile).columns()
+    return Ambient.of_columns(columns)

@@ -14,11 +14,12 @@ from raysvc.frame.radiance import Illumination
 from raysvc.frame.reflections import Reflection, Transmission
 from raysvc.frame.secondary_rays import SecondaryRays
 from raysvc.frame.settings import Settings
+from raysvc.frame.shadows import AreaShadow
 from raysvc.frame.statistics import Ledger
 from raysvc.parallel import Control, map_chunks
 from raysvc.scene import Camera
 from raysvc.tracing.gloss import GlossPicture
-from raysvc.tracing.occlusion import VisibilityPicture
+from raysvc.tracing.neighbours import Neighbours
 from raysvc.types import Floats, Longs
 
 
@@ -37,9 +38,14 @@ class Draft:
     front: Longs = field(init=False)
     """(H * W,) which point stands for a pixel in the layers, or -1."""
     direct: Floats = field(init=False)
-    visible: Floats = field(init=False)
-    """(N,) ambient visibility."""
-    visibility: VisibilityPicture = field(init=False)
+    """(N, 3) radiance that the points return of lights."""
+    shadows: list[AreaShadow] = field(default_factory=list)
+    depth_step: Floats = field(init=False)
+    """(N,) metres that depth may change from a pixel to the next on a point's surface."""
+    neighbours: Neighbours = field(init=False)
+    """The points in front, told apart by their shading normals."""
+    ambient: Floats = field(init=False)
+    """(N, 10) columns of an `Ambient`."""
     reflection: Reflection = field(init=False)
     transmission: Transmission = field(init=False)
     gloss: GlossPicture = field(init=False)

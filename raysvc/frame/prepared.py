@@ -7,14 +7,18 @@ from raysvc.frame.kept import Kept
 from raysvc.frame.settings import Settings
 from raysvc.frame.shapes import fit_of, tables_of
 from raysvc.lighting.image_light import ImageLight
+from raysvc.lighting.lamps import Lamps, lamps_of
 from raysvc.reference.emitters import Emitters
 from raysvc.reference.environment import EnvironmentLight
 from raysvc.reference.paths import Lights
 from raysvc.scene import Environment, Scene
 from raysvc.shading.scene_tables import SceneTables
 from raysvc.tracing.fitting import Fit
+from raysvc.tracing.patches import Patches
 from raysvc.tracing.world import World
 
+_LAMPS: Kept[Scene, Lamps] = Kept()
+_PATCHES: Kept[Scene, Patches] = Kept()
 _LIGHTS: Kept[Environment, ImageLight] = Kept()
 _SKIES: Kept[Environment, EnvironmentLight] = Kept()
 _EMITTERS: Kept[Scene, Emitters] = Kept()
@@ -28,6 +32,9 @@ class Prepared:
     tables: SceneTables
     fit: Fit
     light: ImageLight
+    lamps: Lamps
+    patches: Patches | None
+    """Between which light goes back and forth; None where no ambient light is wanted."""
     path_lights: Lights | None
     """What paths look for; only in reference mode."""
     seconds: float
@@ -65,5 +72,19 @@ def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepa
         emitters, had_emitters = _EMITTERS.get(scene, None, lambda: Emitters(scene, tables))
         path_lights = Lights(sky, emitters, scene.lights)
         cached = cached and had_sky and had_emitters
-    seconds = time.perf_counter() - start
-    return Prepared(scene, tables, fit, light, path_lights, seconds, cached, warnings)
+    lamps, had_lamps = _LAMPS.get(scene, None, lambda: lamps_of(scene, tables))
+    patches, had_patches = None, True
+    if settings.mode == "hybrid" and settings.occlusion_samples > 0:
+        patches, had_patches = _PATCHES.get(scene, None, lambda: Patches.of(scene, tables))
+    return Prepared(
+        scene,
+        tables,
+        fit,
+        light,
+        lamps,
+        patches,
+        path_lights,
+        time.perf_counter() - start,
+        cached and had_lamps and had_patches,
+        warnings,
+    )

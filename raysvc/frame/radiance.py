@@ -1,7 +1,7 @@
 """Light that points return of what lights them from outside the scene.
 
 emission + sun and punctual lights, shadowed
-         + the environment's diffuse lobe, occluded
+         + the environment's diffuse lobe, occluded, and what the occluders send instead
          + the environment's specular lobe, as far as the scene does not stand before it: that is
            for `raysvc.frame.reflections` to say
 
@@ -13,18 +13,20 @@ from typing import NamedTuple
 
 import numpy as np
 
+from raysvc.frame.direct_light import DirectLight
 from raysvc.frame.prepared import Prepared
+from raysvc.frame.radiosity import RAYS, radiosity
 from raysvc.frame.settings import Settings
 from raysvc.frame.statistics import Ledger
+from raysvc.lighting.albedo import diffuse_albedo
+from raysvc.lighting.ambient import Ambient, mean_of_rays
 from raysvc.lighting.boundary_albedo import boundary_albedo
 from raysvc.lighting.clearcoat import Varnish
-from raysvc.lighting.direct import arriving, reflected
-from raysvc.lighting.sun import SunLight
-from raysvc.scene import PunctualLight
+from raysvc.lighting.soft_map import solid_angle_of_rays
+from raysvc.parallel import Control
 from raysvc.shading.footprint import Footprint
 from raysvc.shading.surface import Surface
-from raysvc.tracing.occlusion import pattern, visibility
-from raysvc.tracing.reflection import rays_from
+from raysvc.tracing.occlusion import occlusion_rays, pattern
 from raysvc.types import Doubles, Floats, Ints, Longs
 
 GLOSSY = 0.4
@@ -42,12 +44,14 @@ class Lit(NamedTuple):
 
     surface: Surface
     footprint: Footprint
-    visible: Floats
-    """(N,) part of the hemisphere that is free."""
+    sky: Floats
+    """(N, 3) part of the environment's light that nothing hides, by colour."""
     radiance: Floats
     """(N, 3) emission, lights, the environment's diffuse lobe, and varnish."""
     lobe: Floats
     """(N, 3) the environment through the specular lobe, with nothing but varnish in the way."""
+    bounced: Floats
+    """(N, 3) radiance of what hides the environment, on the mean of all directions."""
     albedo: Floats
     """(N, 3) share of constant light that the specular lobe returns, through varnish."""
 
@@ -66,55 +70,58 @@ class Illumination:
         self._prepared, self._settings, self._ledger = prepared, settings, ledger
         self._radius_m = occlusion_radius_m
         self._pattern: Doubles = pattern(settings.occlusion_samples, settings.seed)
-        sun = prepared.light.sun
-        self._lights: list[SunLight | PunctualLight] = [
-            *([sun] if sun is not None else []),
-            *prepared.scene.lights,
-        ]
+        self._sent: Floats = np.zeros((0, 3), np.float32)
+        angle = solid_angle_of_rays(settings.occlusion_samples)
+        self._soft = prepared.light.softened(angle)
+        self.direct = DirectLight(prepared, settings.shadows, settings.seed, ledger)
 
-    def direct(self, surface: Surface) -> Floats:
-        """(N, 3) radiance from the sun and punctual lights."""
-        total = np.zeros((surface.size, 3), np.float32)
-        varnish = Varnish.of(surface)
-        coat, point = varnish.surface, varnish.point
-        for light in self._lights:
-            to_light, distance, irradiance = arriving(light, surface.position)
-            radius_rad = light.angular_radius_rad if isinstance(light, SunLight) else 0.0
-            radiance = reflected(surface, to_light, irradiance, radius_rad)
-            varnish.laid_over(
-                radiance, reflected(coat, to_light[point], irradiance[point], radius_rad)
-            )
-            if self._settings.shadows:
-                lit = np.flatnonzero(np.einsum("nk->n", radiance))
-                # A ray that starts off the surface must not pass a light that is near it.
-                reach = distance[lit] * np.float32(0.9999)
-                rays = rays_from(surface, to_light[lit], reach, lit)
-                self._ledger.count("shadow", len(lit))
-                radiance[lit] *= self._prepared.world.transmittance(rays)[:, None]
-            total += radiance
-        return total
+    def settle(self, control: Control) -> None:
+        """Find what light surfaces send to each other; `ambient` needs it."""
+        patches = self._prepared.patches
+        if patches is None:
+            return
+        self._ledger.count("occlusion", len(patches.triangle) * RAYS)
+        self._sent = radiosity(
+            patches,
+            self._prepared.tables,
+            self._prepared.world,
+            self._soft,
+            self.direct.roughly,
+            self._prepared.lamps.shines,
+            self._settings.seed,
+            control,
+        )
 
-    def occlusion(self, surface: Surface, tile: Ints, part: slice = slice(None)) -> Floats:
-        """(N,) part of the hemisphere that is free near each point; 1 without occlusion samples."""
-        samples = self._pattern[part]
-        if not len(samples):
-            return np.ones(surface.size, np.float32)
-        self._ledger.count("occlusion", surface.size * len(samples))
-        return visibility(self._prepared.world, surface, tile, samples, self._radius_m)
+    def ambient(self, surface: Surface, tile: Ints, part: slice = slice(None)) -> Ambient:
+        """What arrives from all around at N points; everything, without occlusion samples."""
+        samples, patches = self._pattern[part], self._prepared.patches
+        if patches is None:
+            return Ambient.open(surface.size)
+        rays = occlusion_rays(surface, tile, samples, self._radius_m)
+        self._ledger.count("occlusion", len(rays))
+        hits, through = self._prepared.world.hiding(rays)
+        shape = surface.size, len(samples)
+        return mean_of_rays(
+            self._soft,
+            rays.directions.reshape(*shape, 3),
+            through.reshape(shape),
+            patches.met(hits, rays.directions).reshape(shape),
+            self._sent,
+        )
 
-    def lit(self, surface: Surface, footprint: Footprint, direct: Floats, visible: Floats) -> Lit:
-        """Put together what lights N points: `direct` (N, 3), `visible` (N,) of the environment."""
+    def lit(self, surface: Surface, footprint: Footprint, direct: Floats, ambient: Ambient) -> Lit:
+        """Put together what lights N points: `direct` (N, 3), and what arrives from all around."""
         light, samples = self._prepared.light, self._settings.ibl_lobe_samples
-        visible = visible * surface.occlusion
-        diffuse = light.diffuse(surface, samples)
-        radiance = surface.emissive + diffuse * interreflected(visible, surface.base_colour)
+        sky, bounced = (a * surface.occlusion[:, None] for a in (ambient.sky, ambient.bounced))
+        radiance = surface.emissive + light.diffuse(surface, samples) * sky
+        radiance += diffuse_albedo(surface) * bounced
         albedo = light.specular_albedo(surface)
         lobe = self._specular_lobe(surface, albedo)
         varnish = Varnish.of(surface)
         coat = self.coat_lobe(varnish)
-        gloss = glossiness(varnish.surface.roughness)
-        free = specular_occlusion(varnish.surface, visible[varnish.point])
-        coat *= (gloss + (1.0 - gloss) * free)[:, None]
+        gloss = glossiness(varnish.surface.roughness)[:, None]
+        coat *= gloss + (1.0 - gloss) * sky[varnish.point]
+        coat += bounced[varnish.point] * (1.0 - gloss)
         varnish.laid_over(radiance, coat)
         varnish.laid_over(lobe, np.zeros_like(coat))
         varnish.laid_over(albedo, np.zeros_like(coat))
@@ -122,15 +129,15 @@ class Illumination:
         inside = insides(surface)
         if len(inside):
             # Nothing of the environment is inside a solid, and there light may be reflected whole.
-            lobe[inside] = 0.0
+            lobe[inside] = bounced[inside] = 0.0
             albedo[inside] = boundary_albedo(surface.chosen(inside))[0]
-        return Lit(surface, footprint, visible, radiance, lobe, albedo)
+        return Lit(surface, footprint, sky, radiance, lobe, bounced, albedo)
 
     def lit_in_mirror(self, surface: Surface, footprint: Footprint) -> Lit:
         """Light N points that a reflection shows."""
         tile = np.zeros(surface.size, np.int32)
         return self.lit(
-            surface, footprint, self.direct(surface), self.occlusion(surface, tile, MIRRORED)
+            surface, footprint, self.direct.of(surface), self.ambient(surface, tile, MIRRORED)
         )
 
     def coat_lobe(self, varnish: Varnish) -> Floats:
@@ -161,29 +168,3 @@ def glossiness(roughness: Floats) -> Floats:
     x = np.clip((MATT - roughness) / (MATT - GLOSSY), 0.0, 1.0)
     smooth: Floats = (x * x * (3.0 - 2.0 * x)).astype(np.float32)
     return smooth
-
-
-def specular_occlusion(surface: Surface, visible: Floats) -> Floats:
-    """(N,) part of the specular lobe that is free where `visible` (N,) of the hemisphere is.
-
-    Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", section 4.10.2.
-    """
-    cosine = np.einsum("nk,nk->n", surface.normal, surface.to_viewer)
-    power = np.exp2(-16.0 * surface.roughness - 1.0)
-    free: Floats = np.power(np.maximum(cosine + visible, 0.0), power) - 1.0 + visible
-    return np.clip(free, 0.0, 1.0)
-
-
-def interreflected(visible: Floats, albedo: Floats) -> Floats:
-    """(N, 3) occlusion with the light that bounces back from the occluders, if they look like the
-    surface.
-
-    Jimenez et al. 2016, "Practical Real-Time Strategies for Accurate Indirect Occlusion", equation
-    18.
-    """
-    open_ = visible[:, None]
-    a = 2.0404 * albedo - 0.3324
-    b = -4.7951 * albedo + 0.6417
-    c = 2.7552 * albedo + 0.6903
-    brighter: Floats = np.maximum(open_, ((open_ * a + b) * open_ + c) * open_)
-    return brighter

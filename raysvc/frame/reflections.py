@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from raysvc.frame.radiance import Lit, glossiness, specular_occlusion
+from raysvc.frame.radiance import Lit, glossiness
 from raysvc.types import Floats, Ints
 
 
@@ -75,14 +75,13 @@ class Transmission(NamedTuple):
 def own_light(lit: Lit, reflection: Reflection) -> Floats:
     """(N, 3) radiance of points without what they mirror of the scene.
 
-    Where a glossy surface's ray met nothing it shows the environment whole; a matt one shows it as
-    far as ambient occlusion lets it.
+    Where a glossy surface's ray met nothing it shows the environment whole. A matt one shows the
+    part of it that a diffuse one would, and what hides the rest as from all directions alike.
     """
     surface = lit.surface
-    free = specular_occlusion(surface, lit.visible)
-    gloss = glossiness(surface.roughness)
-    open_ = np.maximum(gloss - reflection.share, 0.0) + (1.0 - gloss) * free
-    radiance = lit.radiance + lit.lobe * open_[:, None]
+    gloss = glossiness(surface.roughness)[:, None]
+    open_ = np.maximum(gloss - reflection.share[:, None], 0.0) + (1.0 - gloss) * lit.sky
+    radiance = lit.radiance + lit.lobe * open_ + lit.albedo * lit.bounced * (1.0 - gloss)
     shown: Floats = np.where(surface.unlit[:, None], surface.base_colour, radiance)
     return shown
 

@@ -22,7 +22,7 @@ from raysvc.scene import Environment, Scene
 from raysvc.version import VERSION
 
 DEFAULT_ENVIRONMENT = "clear_sky"
-OCCLUSION_OF_DIAGONAL = 0.25
+OCCLUSION_OF_DIAGONAL = 1.0
 """How far ambient occlusion reaches by default, as a part of the scene's diagonal."""
 
 

@@ -34,6 +34,7 @@ from raysvc.frame.settings import Settings
 from raysvc.frame.statistics import Ledger
 from raysvc.lighting.boundary_albedo import boundary_albedo
 from raysvc.lighting.clearcoat import Varnish
+from raysvc.lighting.lamps import highlight
 from raysvc.lighting.lobe_kernels import lobe_rays
 from raysvc.lighting.sun import LUMINANCE
 from raysvc.lighting.transmission_kernels import transmitted_rays
@@ -148,6 +149,8 @@ class SecondaryRays:
             rays,
             differentials,
             half_width,
+            # Rough surfaces have the highlights of lamps already.
+            1.0 - highlight(mirror.surface.roughness),
             passed[shiny],
             depth._replace(bounce=depth.bounce + 1),
         )
@@ -221,6 +224,7 @@ class SecondaryRays:
             rays,
             differentials,
             half_width,
+            np.ones(len(go), np.float32),
             passed[go],
             depth._replace(boundary=depth.boundary + 1),
         )
@@ -242,13 +246,15 @@ class SecondaryRays:
         rays: Rays,
         differentials: RayDifferentials,
         half_width: Floats,
+        seen_of_lamps: Floats,
         throughput: Floats,
         depth: Depth,
     ) -> Followed:
         """Follow R rays, and those that they give rise to.
 
-        half_width (R,) radians, of the cone that each stands for; throughput (R, 3), the part of
-        what they bring that reaches the picture.
+        half_width (R,) radians, of the cone that each stands for; seen_of_lamps (R,), what part of
+        lamps' emission they see; throughput (R, 3), the part of what they bring that reaches the
+        picture.
         """
         tables = self._prepared.tables
 
@@ -271,7 +277,11 @@ class SecondaryRays:
             # What is seen through a wide lobe is seen from many sides: its highlights widen.
             alpha2 = surface.roughness**4 + (BLURRED * half_width[index]) ** 2
             widened = np.minimum(np.sqrt(np.sqrt(alpha2)), np.float32(1.0))
-            return self._illumination.lit_in_mirror(surface._replace(roughness=widened), footprint)
+            lamp = self._prepared.lamps.shines[hits.triangle]
+            glow = np.where(lamp, seen_of_lamps[index], np.float32(1.0))
+            emissive = surface.emissive * glow[:, None]
+            surface = surface._replace(roughness=widened, emissive=emissive)
+            return self._illumination.lit_in_mirror(surface, footprint)
 
         hits, met, lit = self._organise(
             self._prepared.world,

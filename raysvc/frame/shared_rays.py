@@ -154,7 +154,7 @@ def _picture(draft: Draft, brought: Reflection | Transmission, share: Floats) ->
         picture(brought.spread_px, 0.0),
         picture(draft.points.surface.roughness, 0.0),
         draft.layers["depth"],
-        draft.visibility.depth_step,
+        picture(draft.depth_step, np.inf),
         draft.layers["normal"],
     )
 

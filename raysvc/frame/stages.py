@@ -7,7 +7,6 @@ Every stage is timed by the caller. Within a stage, chunks of points run on the 
 progress, cancelling and the deadline are looked at between them.
 """
 
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -20,11 +19,15 @@ from raysvc.frame.paths import paths
 from raysvc.frame.points import front
 from raysvc.frame.primary import CHUNK, points_of, rasterised
 from raysvc.frame.reflections import leaving
+from raysvc.frame.shadows import AreaShadow
 from raysvc.frame.shared_rays import trace_beyond
 from raysvc.lens.coc import coc_px
 from raysvc.lens.spread import spread
+from raysvc.lighting.ambient import Ambient
 from raysvc.parallel import for_chunks
-from raysvc.tracing.occlusion import VisibilityPicture, is_traced, tile_of
+from raysvc.tracing.neighbours import Neighbours
+from raysvc.tracing.neighbours_kernels import Shown
+from raysvc.tracing.occlusion import AROUND, is_traced, tile_of
 from raysvc.types import Floats, Longs
 
 
@@ -57,42 +60,75 @@ def write_layers(draft: Draft) -> None:
 
 
 def shadows(draft: Draft) -> None:
-    """Light the points by the sun and punctual lights."""
-    surface = draft.points.surface
+    """Light the points by what shines straight at them."""
+    points, direct = draft.points, draft.illumination.direct
+    draft.depth_step = _depth_step(draft)
     draft.direct = draft.each(
-        lambda begin, end: draft.illumination.direct(surface.rows(begin, end)), "shadows", (3,)
+        lambda begin, end: direct.punctual(points.surface.rows(begin, end)), "", (3,)
     )
+    neighbours = _neighbours(draft, points.surface.geometric_normal)
+    for number, light in enumerate(direct.areas):
+        draft.control.progress("shadows", number / len(direct.areas))
+        shadow = AreaShadow(direct, light, points, neighbours, draft.settings.seed)
+        draft.direct += shadow.fallen(draft.control)
+        draft.shadows.append(shadow)
+    draft.control.progress("shadows", 1.0)
+
+
+def _depth_step(draft: Draft) -> Floats:
+    """(N,) metres that depth may change from a pixel to the next on a point's surface."""
+    surface, points = draft.points.surface, draft.points
+    cosine = np.einsum("nk,nk->n", surface.geometric_normal, surface.to_viewer)
+    slope = np.sqrt(np.maximum(1.0 - cosine**2, 0.0)) / np.maximum(cosine, 0.05)
+    step: Floats = draft.camera.pixel_width_m(points.depth) * (1.0 + 1.5 * slope)
+    return step
+
+
+def _neighbours(draft: Draft, normal: Floats) -> Neighbours:
+    """The points in front as neighbours, told apart by normals (N, 3)."""
+    point_of = draft.front.reshape(draft.shape)
+    return Neighbours(Shown(point_of, draft.points.depth, normal, draft.depth_step))
 
 
 def occlusion(draft: Draft) -> None:
-    """Find how much of the sky each point sees: by rays from some, by its neighbours for others."""
+    """Find what arrives from all around."""
+    points = draft.points
+    draft.illumination.settle(draft.control)
+    draft.neighbours = _neighbours(draft, points.surface.normal)
+    if draft.prepared.patches is None:
+        draft.ambient = Ambient.open(points.surface.size).columns()
+    else:
+        _gather_ambient(draft)
+    around = Ambient.of_columns(draft.ambient)
+    draft.layers["occlusion"] = draft.picture(around.visible, 1.0)
+    draft.layers["bent_normal"] = draft.picture(around.bent_normal(points.surface.normal), 0.0)
+
+
+def _gather_ambient(draft: Draft) -> None:
+    """Trace rays from some points, and let the others take the mean of their neighbours."""
     points, width = draft.points, draft.camera.width
-    in_front = np.zeros(len(points.pixel), np.bool_)
-    in_front[draft.front[draft.front >= 0]] = True
+    in_front = draft.neighbours.is_shown()
     traced = ~in_front | is_traced(points.pixel, width)
-    draft.visible = np.full(len(points.pixel), -1.0, np.float32)
-    _trace_occlusion(draft, np.flatnonzero(traced), "occlusion")
-    known = VisibilityPicture(
-        _by_pixel(draft),
-        draft.layers["depth"],
-        draft.layers["normal"],
-        _depth_step(draft),
-    )
+    draft.ambient = np.full((len(points.pixel), 10), np.nan, np.float32)
+    _trace_ambient(draft, np.flatnonzero(traced), "occlusion")
+    known = draft.ambient
+    draft.ambient = known.copy()
 
-    def fill(begin: int, end: int) -> Floats:
-        normal = points.surface.normal[begin:end]
-        return known.around(points.pixel[begin:end], points.depth[begin:end], normal)
+    def fill(begin: int, end: int) -> None:
+        index = begin + np.flatnonzero(in_front[begin:end])
+        draft.ambient[index] = draft.neighbours.mean(
+            known,
+            AROUND,
+            points.pixel[index],
+            points.depth[index],
+            points.surface.normal[index],
+        )
 
-    filled = draft.each(fill, "", ())
-    draft.visible[in_front] = filled[in_front]
-    _trace_occlusion(draft, np.flatnonzero(draft.visible < 0), "")
-    draft.visibility = replace(known, visible=_by_pixel(draft))
-    draft.layers["occlusion"] = np.where(
-        draft.front.reshape(draft.shape) >= 0, draft.visibility.visible, np.float32(1.0)
-    )
+    for_chunks(len(points.pixel), CHUNK, fill, draft.control)
+    _trace_ambient(draft, np.flatnonzero(np.isnan(draft.ambient[:, 0])), "")
 
 
-def _trace_occlusion(draft: Draft, index: Longs, stage: str) -> None:
+def _trace_ambient(draft: Draft, index: Longs, stage: str) -> None:
     """Trace occlusion rays from some of the points."""
     points = draft.points
     tile = tile_of(points.pixel[index], draft.camera.width)
@@ -100,29 +136,9 @@ def _trace_occlusion(draft: Draft, index: Longs, stage: str) -> None:
     def trace(begin: int, end: int) -> None:
         some = index[begin:end]
         surface = points.surface.chosen(some)
-        draft.visible[some] = draft.illumination.occlusion(surface, tile[begin:end])
+        draft.ambient[some] = draft.illumination.ambient(surface, tile[begin:end]).columns()
 
     for_chunks(len(index), CHUNK // 4, trace, draft.control, stage)
-
-
-def _by_pixel(draft: Draft) -> Floats:
-    """(H, W) visibility of the points in front, -1 where it is not known yet."""
-    seen = draft.front >= 0
-    picture = np.full(len(seen), -1.0, np.float32)
-    picture[seen] = draft.visible[draft.front[seen]]
-    return picture.reshape(draft.shape)
-
-
-def _depth_step(draft: Draft) -> Floats:
-    """(H, W) metres that depth may change from a pixel to the next on the surface it shows."""
-    surface, points = draft.points.surface, draft.points
-    cosine = np.einsum("nk,nk->n", surface.geometric_normal, surface.to_viewer)
-    slope = np.sqrt(np.maximum(1.0 - cosine**2, 0.0)) / np.maximum(cosine, 0.05)
-    step = np.full(len(draft.front), np.inf, np.float32)
-    seen = draft.front >= 0
-    index = draft.front[seen]
-    step[seen] = (draft.camera.pixel_width_m(points.depth) * (1.0 + 1.5 * slope))[index]
-    return step.reshape(draft.shape)
 
 
 def light(draft: Draft) -> None:
@@ -134,7 +150,7 @@ def light(draft: Draft) -> None:
             points.surface.rows(begin, end),
             records.rows(points.footprint, begin, end),
             draft.direct[begin:end],
-            draft.visible[begin:end],
+            Ambient.of_columns(draft.ambient[begin:end]),
         )
         return leaving(
             lit,

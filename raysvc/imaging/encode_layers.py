@@ -3,7 +3,7 @@
 OpenEXR channels: beauty is R, G, B, A, so that every viewer opens it; others are `layer.channel`:
 
     depth      depth.Z                     float32 metres along the view axis, inf where nothing is
-    normal     normal.X normal.Y normal.Z
+    normal     normal.X normal.Y normal.Z; and so bent_normal
     id         id.I                        uint32, 4294967295 where nothing is (-1 in the array)
     others     NAME.V (one channel), NAME.U .V (two), NAME.R .G .B (three), NAME.R .G .B .A (four)
 
@@ -23,6 +23,7 @@ from raysvc.errors import InvalidInput
 SUFFIXES: Mapping[str, tuple[str, ...]] = {
     "depth": ("Z",),
     "normal": ("X", "Y", "Z"),
+    "bent_normal": ("X", "Y", "Z"),
     "id": ("I",),
 }
 SUFFIXES_BY_CHANNELS: Mapping[int, tuple[str, ...]] = {

@@ -16,9 +16,9 @@ FARTHEST_GREY = np.float32(0.1)
 def layer_picture(name: str, array: NDArray[Any]) -> Bytes:
     """Return (H, W, 3) uint8 of a layer.
 
-    `depth` (H, W): nearest white to farthest dark grey, nothing black. `normal` (H, W, 3):
-    0.5 + 0.5 n. `id`, or any whole numbers (H, W): a fixed colour per number, negative black.
-    Any other (H, W): smallest black to largest white. Any other (H, W, 3|4): linear colour,
+    `depth` (H, W): nearest white to farthest dark grey, nothing black. `normal` and `bent_normal`
+    (H, W, 3): 0.5 + 0.5 n. `id`, or any whole numbers (H, W): a fixed colour per number, negative
+    black. Any other (H, W): smallest black to largest white. Any other (H, W, 3|4): linear colour,
     clipped, sRGB.
     Raises InvalidInput for any other shape.
     """
@@ -26,7 +26,7 @@ def layer_picture(name: str, array: NDArray[Any]) -> Bytes:
         return hashed_colours(array)
     if name == "depth" and array.ndim == 2:
         return _eight_bit(_grey(array, FARTHEST_GREY, NEAREST_GREY, descending=True))
-    if name == "normal" and array.ndim == 3 and array.shape[2] == 3:
+    if name in ("normal", "bent_normal") and array.ndim == 3 and array.shape[2] == 3:
         return _eight_bit(np.float32(0.5) + np.float32(0.5) * array)
     if array.ndim == 2:
         return _eight_bit(_grey(array, np.float32(0.0), np.float32(1.0), descending=False))

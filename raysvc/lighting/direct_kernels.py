@@ -1,4 +1,4 @@
-"""The loop over points under one light."""
+"""Loops over points under one light."""
 
 import math
 
@@ -12,7 +12,7 @@ from raysvc.lighting.brdf import (
     smith_visibility,
 )
 from raysvc.shading.surface import Surface
-from raysvc.types import Floats
+from raysvc.types import Doubles, Floats
 
 
 @kernel
@@ -74,3 +74,17 @@ def reflect_light(
             fresnel = f0 + (1.0 - f0) * weight
             diffuse = (1.0 - fresnel) * base * diffused / math.pi
             radiance[i, c] = (diffuse + fresnel * lobe) * nol * irradiance[i, c]
+
+
+@kernel
+def directions_to_disc(axes: Doubles, radius: float, samples: Doubles, directions: Floats) -> None:
+    """Fill directions (M, 3), unit, to places of a disc that samples (M, 2) in 0..1 stand for.
+
+    `axes` (3, 3) are rows: two across, and the one to the disc's middle; `radius` is in radians.
+    """
+    for i in range(len(samples)):
+        away = math.sin(radius) * math.sqrt(samples[i, 0])
+        turn = 2.0 * math.pi * samples[i, 1]
+        x, y, z = away * math.cos(turn), away * math.sin(turn), math.sqrt(1.0 - away * away)
+        for c in range(3):
+            directions[i, c] = x * axes[0, c] + y * axes[1, c] + z * axes[2, c]

@@ -8,6 +8,8 @@ import numpy as np
 from raysvc.lighting import albedo
 from raysvc.lighting.image_kernels import diffuse_light, specular_light
 from raysvc.lighting.lobe_pattern import cosine_pattern, visible_normal_pattern
+from raysvc.lighting.soft_map import soft_map
+from raysvc.lighting.soft_map_kernels import SoftMap
 from raysvc.lighting.sphere_kernels import cone_radiances, map_radiances
 from raysvc.lighting.sphere_table import SphereTable
 from raysvc.lighting.sun import SunLight, extract_sun
@@ -80,6 +82,10 @@ class ImageLight:
             result,
         )
         return result
+
+    def softened(self, solid_angle: float) -> SoftMap:
+        """Return all but the sun, for lookups that each stand for `solid_angle` steradians."""
+        return soft_map(self._table, solid_angle, self._turn, self._strength)
 
     def diffuse(self, surface: Surface, samples: int) -> Floats:
         """Radiance that the diffuse lobe returns of all but the sun, with nothing in the way.

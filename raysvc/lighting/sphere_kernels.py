@@ -24,7 +24,7 @@ LEVEL_BLEND = 0.6
 
 
 @inlined
-def _turn(across: float, ahead: float) -> float:
+def turns_of(across: float, ahead: float) -> float:
     """Angle of atan2(across, ahead) in turns, -0.5..0.5, to 2e-6: less than 1/200 of a texel.
 
     Polynomial of Abramowitz and Stegun 4.4.49, on one octant.
@@ -127,9 +127,11 @@ def mean_radiance(
     share = share * share * (3.0 - 2.0 * share)
     red, green, blue = 0.0, 0.0, 0.0
     if share > 0.0:
-        red, green, blue = _levels_mean(sharp, soft, 0, y, _turn(x, -z), level, part, solid_angle)
+        red, green, blue = _levels_mean(
+            sharp, soft, 0, y, turns_of(x, -z), level, part, solid_angle
+        )
     if share < 1.0:
-        r, g, b = _levels_mean(sharp, soft, 1, x, _turn(y, -z), level, part, solid_angle)
+        r, g, b = _levels_mean(sharp, soft, 1, x, turns_of(y, -z), level, part, solid_angle)
         red, green, blue = r + (red - r) * share, g + (green - g) * share, b + (blue - b) * share
     return red, green, blue
 
@@ -156,7 +158,7 @@ def soften(sharp: Doubles, solid_angle: float, images: Doubles) -> None:
                 share = share * share * (3.0 - 2.0 * share)
                 if k == 1:
                     share = 1.0 - share
-                other = _turn(along, ahead)
+                other = turns_of(along, ahead)
                 r, g, b = _cylinder_mean(sharp, k, along, turn, solid_angle)
                 red, green, blue = _cylinder_mean(sharp, 1 - k, across, other, solid_angle)
                 images[k, i, j, 0] = red + (r - red) * share

@@ -6,18 +6,19 @@ takes the mean of the four of them about it that show its surface: as smooth as 
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from raysvc.accel.base import Rays
 from raysvc.shading.surface import Surface
-from raysvc.tracing.occlusion_kernels import cosine_rays, neighbours_mean
-from raysvc.tracing.world import World
+from raysvc.tracing.occlusion_kernels import cosine_rays
 from raysvc.types import Bools, Doubles, Floats, Ints, Longs
 
 EVERY = 2
 """Rays start from one pixel of so many by so many."""
+_AWAY = np.array([[1.0, 0.0, 1.0, 0.0, 0.5], [0.0, 1.0, 0.0, 1.0, 0.0]], np.float32)
+AROUND: Floats = np.einsum("ay,bx->abyx", _AWAY, _AWAY).reshape(4, 5, 5)
+"""Weights of the traced pixels about each of 2 x 2: every shift of the pattern counts the same."""
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
@@ -39,19 +40,13 @@ def is_traced(pixel: Longs, width: int) -> Bools:
 def tile_of(pixel: Longs, width: int) -> Ints:
     """(N,) int32 in 0..3: which shift of the pattern a pixel takes, not its neighbours'."""
     row, col = np.divmod(pixel, width)
-    shifts = np.array([[0, 2], [3, 1]], np.int32)
-    tile: Ints = shifts[row // EVERY % 2, col // EVERY % 2]
+    shifts = np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]], np.int32)
+    tile: Ints = shifts[row // EVERY % 4, col // EVERY % 4]
     return tile
 
 
-def visibility(
-    world: World,
-    surface: Surface,
-    tile: Ints,
-    samples: Doubles,
-    radius_m: float,
-) -> Floats:
-    """(N,) float32 in 0..1: cosine-weighted part of the hemisphere free within `radius_m`.
+def occlusion_rays(surface: Surface, tile: Ints, samples: Doubles, radius_m: float) -> Rays:
+    """Rays (N * K) in a cosine-weighted pattern from N points, those of a point next to each other.
 
     `tile` (N,) shifts the pattern `samples` (K, 2) by so many quarters.
     """
@@ -59,53 +54,4 @@ def visibility(
     origins = np.empty((count, 3), np.float32)
     directions = np.empty((count, 3), np.float32)
     cosine_rays(surface, tile, samples, origins, directions)
-    rays = Rays(origins, directions, np.full(count, radius_m, np.float32))
-    through = world.transmittance(rays).reshape(surface.size, len(samples))
-    free: Floats = np.einsum("nk->n", through) / np.float32(len(samples))
-    return free
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class VisibilityPicture:
-    """Ambient visibility by pixel, with what tells one surface from another.
-
-    Attributes
-    ----------
-    visible
-        (H, W) float32, -1 where it is not known
-    depth
-        (H, W) float32 metres along the view axis, inf where there is nothing
-    normal
-        (H, W, 3) float32 unit
-    depth_step
-        (H, W) float32 metres: how much depth may differ per pixel of distance on one surface
-    """
-
-    visible: Floats
-    depth: Floats
-    normal: Floats
-    depth_step: Floats
-
-    def around(self, pixel: Longs, depth: Floats, normal: Floats) -> Floats:
-        """(N,) visibility at pixel centres, from the traced pixels about them, or -1."""
-        return self._mean(pixel, depth, normal, EVERY, EVERY - 1)
-
-    def beside(self, pixel: Longs, depth: Floats, normal: Floats) -> Floats:
-        """(N,) visibility of points elsewhere in pixels, from all pixels about them, or -1."""
-        return self._mean(pixel, depth, normal, 1, 1)
-
-    def _mean(self, pixel: Longs, depth: Floats, normal: Floats, before: int, after: int) -> Floats:
-        mean = np.empty(len(pixel), np.float32)
-        neighbours_mean(
-            self.visible,
-            self.depth,
-            self.normal,
-            self.depth_step,
-            pixel,
-            depth,
-            normal,
-            before,
-            after,
-            mean,
-        )
-        return mean
+    return Rays(origins, directions, np.full(count, radius_m, np.float32))

@@ -44,3 +44,22 @@ def place_in_tile(pixel: Longs, width: int) -> Longs:
         place |= ((col >> bit) & 1) << (2 * bit)
         place |= ((row >> bit) & 1) << (2 * bit + 1)
     return place
+
+
+RAYS = 4
+"""Points of each place in `dealt_points`."""
+
+
+def dealt_points(seed: int) -> Doubles:
+    """(16, 4, 2) float64 in 0..1: the same 64 points, four for each place of a 4 x 4 tile.
+
+    Each place's four are a net. So are, of each aligned block of 2 x 2 and of 4 x 4 places, the
+    first points, the second, the third, and the fourth; and all 64 together. Tiles of 4 x 4 repeat,
+    so that wherever four rows and columns begin they have all of the points.
+    """
+    place = np.arange(16)
+    # Place t begins at point 4 t + f(t). Of all linear f, this one leaves all those nets.
+    low, high = ((place[:, None] >> np.array(bits)) & 1 for bits in ((0, 1, 3), (0, 2, 3)))
+    begin = low.sum(axis=1) % 2 + 2 * (high.sum(axis=1) % 2)
+    points: Doubles = tile_points(seed)[4 * place[:, None] + (begin[:, None] ^ np.arange(RAYS))]
+    return points

@@ -221,6 +221,40 @@ class World:
                 break
         return through
 
+    def hiding(self, rays: Rays) -> tuple[Hits, Floats]:
+        """What hides most of whatever is at the end of each ray, and how much comes through.
+
+        The hits are misses where nothing is in the way; the second is (R,), as `transmittance`.
+        """
+        solid = hits_on(self._triangles, self._solid.nearest_triangle(rays), rays)
+        is_solid = solid.triangle >= 0
+        if self._holed is None:
+            return solid, np.where(is_solid, np.float32(0.0), np.float32(1.0))
+        through, most = np.ones(len(rays), np.float32), np.zeros(len(rays), np.float32)
+        triangle = np.full(len(rays), -1, np.int32)
+        t, barycentric = np.full(len(rays), np.inf, np.float32), np.zeros((len(rays), 2), "f4")
+        march = March(rays, np.minimum(rays.t_max, solid.t), np.arange(len(rays)))
+        for _ in range(MAX_HOLES):
+            some, active = march.ahead(), march.active
+            found = hits_on(self._triangles, self._holed.nearest_triangle(some), some)
+            opacity = self._tables.opacity(found.triangle, found.barycentric)
+            share = np.where(march.is_new(found), through[active] * opacity, np.float32(0.0))
+            through[active] -= share
+            more = share > most[active]
+            at = active[more]
+            most[at], triangle[at] = share[more], found.triangle[more]
+            t[at], barycentric[at] = march.distance(found)[more], found.barycentric[more]
+            march.go_on(found, (found.triangle >= 0) & (through[active] > 0))
+            if not len(march.active):
+                break
+        rest = is_solid & (through > most)
+        hits = Hits(
+            np.where(rest, solid.t, t),
+            np.where(rest, solid.triangle, triangle),
+            np.where(rest[:, None], solid.barycentric, barycentric),
+        )
+        return hits, np.where(is_solid, np.float32(0.0), through)
+
 
 class _Part:
     """A structure over some of a scene's triangles, answering with their numbers in the scene."""

@@ -1,18 +1,21 @@
-"""How much of the sky a point sees, against closed forms; and what neighbours lend each other."""
+"""How much of the hemisphere a point sees, against closed forms."""
 
 import numpy as np
 import pytest
 
+from raysvc.builtin.mesh import Part, scene_of
+from raysvc.builtin.shapes import sphere
 from raysvc.scene import Material
 from raysvc.shading.scene_tables import SceneTables
 from raysvc.tracing.occlusion import (
+    AROUND,
     EVERY,
-    VisibilityPicture,
     is_traced,
+    occlusion_rays,
     pattern,
     tile_of,
-    visibility,
 )
+from raysvc.tracing.occlusion_kernels import TILES
 from raysvc.tracing.world import World
 from tests.scenes import joined, mesh, quad
 from tests.tracing.points import points
@@ -23,7 +26,9 @@ WHITE = Material(metallic=0.0)
 
 def seen(scene, surface, radius_m, samples=MANY, tile=0):
     world = World(scene, SceneTables.of(scene), "auto")
-    return visibility(world, surface, np.full(surface.size, tile, np.int32), samples, radius_m)
+    tiles = np.full(surface.size, tile, np.int32)
+    rays = occlusion_rays(surface, tiles, samples, radius_m)
+    return world.transmittance(rays).reshape(surface.size, len(samples)).mean(axis=1)
 
 
 def wall(x, material=WHITE, half=1000.0):
@@ -91,14 +96,21 @@ def test_every_normal_has_a_whole_hemisphere(normal):
 
 
 def test_shifted_patterns_together_are_a_finer_one():
-    # What four neighbours see with few samples averages to nearly the closed form.
+    # What a tile of neighbours sees with few samples averages to nearly the closed form.
     few = pattern(16, seed=5)
     hidden = (np.arccos(0.3) - 0.3 * np.sqrt(1 - 0.09)) / np.pi
     scene = wall(0.3)
     at = points([0, 0, 0], (0, 0, 1))
-    each = [seen(scene, at, 1.0, few, tile)[0] for tile in range(4)]
-    assert np.mean(each) == pytest.approx(1 - hidden, abs=0.02)
+    each = [seen(scene, at, 1.0, few, tile)[0] for tile in range(TILES)]
+    assert np.mean(each) == pytest.approx(1 - hidden, abs=0.005)
     assert np.ptp(each) > 0
+
+
+def test_under_a_ball_its_disk_is_hidden():
+    # The cosine-weighted part of the hemisphere that a ball right above hides: its squared sine.
+    ball = scene_of("ball", [Part(sphere(1.0, 120).moved([0, 1.6, 0]), 0)], [WHITE])
+    free = seen(ball, points([0, 0, 0], (0, 1, 0)), np.inf)
+    assert free[0] == pytest.approx(1 - 1 / 1.6**2, abs=0.003)
 
 
 def test_a_pattern_is_spread_over_the_square_and_moved_by_its_seed():
@@ -114,89 +126,26 @@ def test_a_pattern_is_spread_over_the_square_and_moved_by_its_seed():
 
 
 def test_traced_pixels_and_their_neighbours_take_all_shifts():
-    pixel = np.arange(12 * 10)
-    traced = is_traced(pixel, 12).reshape(10, 12)
+    pixel = np.arange(24 * 20)
+    traced = is_traced(pixel, 24).reshape(20, 24)
     assert traced[::EVERY, ::EVERY].all()
     assert traced.sum() * EVERY**2 == traced.size
-    tile = tile_of(pixel, 12).reshape(10, 12)[::EVERY, ::EVERY]
-    for row in range(len(tile) - 1):
-        for col in range(tile.shape[1] - 1):
-            assert sorted(tile[row : row + 2, col : col + 2].ravel()) == [0, 1, 2, 3]
+    tile = tile_of(pixel, 24).reshape(20, 24)[::EVERY, ::EVERY]
+    for row in range(len(tile) - 3):
+        for col in range(tile.shape[1] - 3):
+            shifts = tile[row : row + 4, col : col + 4].ravel()
+            assert sorted(shifts) == list(range(TILES))
 
 
-# What neighbours lend each other
-
-
-def picture(visible, depth=None, normal=None):
-    visible = np.array(visible, np.float32)
-    depth = np.ones(visible.shape) if depth is None else np.broadcast_to(depth, visible.shape)
-    if normal is None:
-        normal = np.zeros((*visible.shape, 3))
-        normal[..., 2] = np.isfinite(depth)
-    return VisibilityPicture(
-        visible,
-        np.array(depth, np.float32),
-        np.array(normal, np.float32),
-        np.full(visible.shape, 0.1, np.float32),
-    )
-
-
-def around(one):
-    """At every pixel centre, as frames ask."""
-    shape = one.visible.shape
-    pixel = np.arange(one.visible.size)
-    return one.around(pixel, one.depth.ravel(), one.normal.reshape(-1, 3)).reshape(shape)
-
-
-def beside(one):
-    pixel = np.arange(one.visible.size)
-    found = one.beside(pixel, one.depth.ravel(), one.normal.reshape(-1, 3))
-    return found.reshape(one.visible.shape)
-
-
-def test_pixels_between_take_the_mean_of_the_four_traced_ones():
-    known = np.full((6, 6), -1.0)
-    known[::2, ::2] = [[0, 1, 0], [1, 0, 1], [0, 1, 0]]
-    mean = around(picture(known))
-    assert mean[1, 1] == pytest.approx(0.5)
-    assert ((mean >= 0) & (mean <= 1)).all()
-
-
-def test_a_step_in_depth_separates():
-    visible = [[0, 0, 0, 1, 1, 1]] * 6
-    depth = np.where(np.array(visible) > 0, 5.0, 1.0)
-    for found in (around(picture(visible, depth)), beside(picture(visible, depth))):
-        assert (found == visible).all()
-
-
-def test_a_crease_separates():
-    visible = [[0, 0, 0, 1, 1, 1]] * 6
-    normal = np.zeros((6, 6, 3))
-    normal[:, :3, 2] = 1
-    normal[:, 3:, 0] = 1
-    one = picture(visible, normal=normal)
-    assert (around(one) == visible).all()
-    assert (beside(one) == visible).all()
-
-
-def test_a_slope_does_not_separate():
-    visible = np.indices((6, 6)).sum(axis=0) % 2
-    depth = 1.0 + 0.05 * np.arange(6)
-    assert beside(picture(visible, depth))[1:-1, 1:-1] == pytest.approx(
-        np.full((4, 4), 0.5), abs=0.06
-    )
-
-
-def test_a_point_of_another_surface_than_all_about_it_gets_nothing():
-    one = picture(np.ones((4, 4)))
-    pixel = np.array([5, 5, 5])
-    depth = np.array([1.0, 9.0, 1.0], np.float32)
-    normal = np.array([[0, 0, 1], [0, 0, 1], [1, 0, 0]], np.float32)
-    assert one.beside(pixel, depth, normal).tolist() == [1, -1, -1]
-
-
-def test_the_background_lends_nothing():
-    depth = np.array([[1.0, 1.0, np.inf, np.inf]] * 4)
-    visible = np.where(np.isfinite(depth), 1.0, 0.0)
-    found = beside(picture(visible, depth))
-    assert (found[:, :2] == 1).all()
+@pytest.mark.parametrize("row", [8, 9])
+@pytest.mark.parametrize("col", [8, 9])
+def test_the_mean_of_neighbours_weighs_every_shift_the_same(row, col):
+    weights = AROUND[2 * (row % 2) + col % 2]
+    reach = weights.shape[0] - 1
+    total = np.zeros(TILES)
+    for y in range(row - reach, row + reach + 1):
+        for x in range(col - reach, col + reach + 1):
+            if is_traced(np.array([y * 24 + x]), 24)[0]:
+                shift = tile_of(np.array([y * 24 + x]), 24)[0]
+                total[shift] += weights[abs(y - row), abs(x - col)]
+    assert total == pytest.approx(np.full(TILES, total[0])) and total[0] > 0

@@ -60,6 +60,7 @@ def test_rays_through_mixed_scenes_meet_what_the_slow_list_says(seed, solid, t_m
     through_all = world(scene)
     hits = through_all.nearest(asked)
     through = through_all.transmittance(asked)
+    hiding, hidden = through_all.hiding(asked)
     ray, seen = through_all.along(asked)
     assert (np.diff(ray) >= 0).all()
     for r in np.flatnonzero(sure):
@@ -68,6 +69,18 @@ def test_rays_through_mixed_scenes_meet_what_the_slow_list_says(seed, solid, t_m
         assert hits.triangle[r] == triangle
         assert hits.t[r] == pytest.approx(t, rel=1e-4)
         assert through[r] == pytest.approx(np.prod([1 - a for _, _, a, _ in found[r]]), abs=1e-5)
+
+        shares, left = [], 1.0
+        for t, f, a, _ in found[r]:
+            shares.append((left * a, t, f))
+            left *= 1 - a
+        assert hidden[r] == pytest.approx(left, abs=1e-5)
+        shares.sort(reverse=True)
+        if not shares or shares[0][0] == 0:
+            assert hiding.triangle[r] == -1 and hiding.t[r] == np.inf
+        elif len(shares) == 1 or shares[0][0] > shares[1][0] + 1e-5:
+            assert hiding.triangle[r] == shares[0][2]
+            assert hiding.t[r] == pytest.approx(shares[0][1], rel=1e-4)
 
         expected = []
         for t, f, a, behind in found[r]:
