@@ -133,7 +133,7 @@ class SecondaryRays:
             directions = np.empty((len(shiny), 3), np.float32)
             weight, half_width = np.empty((2, len(shiny)), np.float32)
             lobe_rays(mirror.surface, samples[shiny], directions, weight, half_width)
-            reflection.weight[shiny] = weight * _core(mirror.surface, half_width)
+            reflection.weight[shiny] = weight
             rays = rays_from(mirror.surface, directions, _endless(shiny))
         differentials = differential.reflected(
             self._prepared.tables.geometry,
@@ -230,7 +230,6 @@ class SecondaryRays:
         )
         transmission.albedo[clear] = albedo
         transmission.weight[clear] = weight
-        transmission.weight[index] *= _core(pane.surface, half_width)
         missed = np.flatnonzero(followed.hits.triangle < 0)
         transmission.radiance[index[missed]] = self._prepared.light.cone(
             rays.directions[missed], half_width[missed]
@@ -309,13 +308,6 @@ class SecondaryRays:
 
 def _endless(index: Longs) -> Floats:
     return np.full(len(index), np.inf, np.float32)
-
-
-def _core(surface: Surface, half_width: Floats) -> Floats:
-    """(N,) density of rays with cones of half_width (N,) over that in the middle of the lobe."""
-    middle = 2.0 * surface.roughness**2
-    part = np.where(half_width > 0, middle / np.maximum(half_width, np.float32(1e-9)), 1.0)
-    return np.square(part.astype(np.float32))
 
 
 def _pixels_per_radian(differentials: RayDifferentials, t: Floats) -> Floats:

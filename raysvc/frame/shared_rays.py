@@ -13,7 +13,7 @@ from raysvc.frame.radiance import Lit
 from raysvc.frame.reflections import Reflection, Transmission
 from raysvc.lighting.brdf import MIRROR_ROUGHNESS
 from raysvc.parallel import for_chunks, map_chunks
-from raysvc.tracing.gloss import GlossPicture
+from raysvc.tracing.gloss import GlossPicture, weight_of_rays
 from raysvc.tracing.tile_pattern import place_in_tile, tile_points
 from raysvc.types import Bools, Doubles, Floats, Longs
 
@@ -135,10 +135,8 @@ def _put_mean(brought: Brought, few: Longs, rays: list[Brought]) -> None:
     brought.weight[few] = weight
     if isinstance(brought, Reflection):
         brought.share[few] = met / np.maximum(weight, np.float32(1e-30))
-    # Together they stand for the lobe as one ray with a part of their cones would.
-    spread = np.sum([ray.weight * np.maximum(ray.spread_px, 0.0) for ray in rays], axis=0)
-    part = np.float32(1.0 / len(rays)) ** np.float32(0.5)
-    brought.spread_px[few] = part * spread / np.maximum(weight, np.float32(1e-30))
+    # Together they stand for the lobe as a ray in its middle does.
+    brought.spread_px[few] = brought.lobe_px[few]
 
 
 def _picture(draft: Draft, brought: Reflection | Transmission, share: Floats) -> GlossPicture:
@@ -150,7 +148,7 @@ def _picture(draft: Draft, brought: Reflection | Transmission, share: Floats) ->
     return GlossPicture(
         picture(brought.radiance, 0.0),
         picture(share, -1.0),
-        picture(brought.weight, 0.0),
+        picture(weight_of_rays(brought.weight, brought.spread_px, brought.lobe_px), 0.0),
         picture(brought.spread_px, 0.0),
         picture(draft.points.surface.roughness, 0.0),
         draft.layers["depth"],

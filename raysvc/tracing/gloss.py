@@ -7,6 +7,7 @@ the lobe covers where the ray ends: many for what is far, none for what the mirr
 narrower than a pixel needs no other rays, and one that covers many pixels has many to share.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,25 @@ from raysvc.types import Floats, Longs
 GATHER = 0.2
 """Standard deviation of the mean over neighbours, as a part of the lobe's half width: it widens the
 lobe by an eighth."""
+
+
+def weight_of_rays(weight: Floats, spread_px: Floats, lobe_px: Floats) -> Floats:
+    """(N,) how much rays count in means over neighbours.
+
+    A ray in the tail of a lobe spreads its light over more pixels than one in the middle, and
+    counts the less in each of them; while it reaches no other pixel it counts as much.
+
+    Parameters
+    ----------
+    weight
+        (N,) of the rays among those of their own pixel
+    spread_px, lobe_px
+        (N,) half widths where the rays end, of their own cones and of those in the middle
+    """
+    area = 2.0 * math.pi * GATHER * GATHER
+    spread = np.square(np.maximum(spread_px, 0.0))
+    part = (1.0 + area * np.square(np.maximum(lobe_px, 0.0))) / (1.0 + area * spread)
+    return (weight * part).astype(np.float32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

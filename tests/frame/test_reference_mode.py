@@ -165,7 +165,7 @@ def test_layers_are_those_of_the_raster():
     frame, hybrid = rendered(view=view), raysvc.render(still_life(), camera=view)
     for name in ("depth", "normal", "albedo", "id", "object", "material", "coc"):
         np.testing.assert_array_equal(frame.layers[name], hybrid.layers[name])
-    assert set(hybrid.layers) - set(frame.layers) == {"occlusion", "edge"}
+    assert set(hybrid.layers) - set(frame.layers) == {"occlusion", "bent_normal", "edge"}
     assert frame.statistics.max_coc_px == hybrid.statistics.max_coc_px > 0
     assert "coc" not in rendered(view=view, lens="none").layers
 

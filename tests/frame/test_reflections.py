@@ -66,9 +66,9 @@ def test_rays_that_can_add_nothing_are_not_followed() -> None:
 
 
 def rough_floor(roughness: float):
-    """A glowing post on a dark metal floor, seen from the front."""
+    """A white post on a metal floor, in the dark; it is unlit, and no lamp."""
     floor = Material(base_colour=(0.9, 0.9, 0.9, 1.0), metallic=1.0, roughness=roughness)
-    post = Material(base_colour=(0, 0, 0, 1), metallic=0.0, emissive=(1.0, 1.0, 1.0))
+    post = Material(base_colour=(1, 1, 1, 1), unlit=True)
     parts = [
         Part(sheet(20.0, 20.0, 1, 1), 0),
         Part(box(1.0, 6.0, 0.4).moved([0, 0, 0]), 1),
