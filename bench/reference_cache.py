@@ -8,6 +8,7 @@ mode itself, empty the folder.
 import dataclasses
 import hashlib
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -17,8 +18,10 @@ from raysvc.frame.view import camera_from
 from raysvc.types import Floats
 
 DECIDES_NOTHING = {"threads", "deadline_s"}
-SAYS_NOTHING = {"name", "warnings", "cameras"}
+SAYS_NOTHING = {"name", "warnings", "cameras", "rest"}
 """Fields of scenes and what they hold; the camera that is taken is hashed as it is."""
+PLAIN = (str, int, float, bool, NoneType)
+"""What is hashed as it is written: never an object, whose name is where it is in memory."""
 
 
 def reference_picture(
@@ -72,5 +75,7 @@ def _take(digest: Any, value: object) -> None:
     elif isinstance(value, tuple):
         for each in value:
             _take(digest, each)
-    else:
+    elif isinstance(value, PLAIN):
         digest.update(repr(value).encode())
+    else:
+        raise TypeError(f"cannot tell one {type(value).__name__} from another")

@@ -47,6 +47,12 @@ def test_another_picture_has_another_name(place, other):
     assert name_of(*changed) != name_of(*PICTURE)
 
 
+def test_what_cannot_be_told_apart_is_not_hashed():
+    odd = dataclasses.replace(PICTURE[0], lights=(object(),))
+    with pytest.raises(TypeError, match="object"):
+        name_of(odd, *PICTURE[1:])
+
+
 def test_a_picture_is_made_once_and_kept(tmp_path, monkeypatch):
     folder = tmp_path / "references"
     made, seconds = reference_picture(folder, *PICTURE)
