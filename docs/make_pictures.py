@@ -56,6 +56,23 @@ def reference() -> None:
     _save("reference", np.hstack([frame.display()[..., :3] for frame in frames]))
 
 
+def cornell() -> None:
+    """A box lit by a lamp in both modes, hybrid on the left."""
+    scene = raysvc.load("builtin:cornell")
+    view = {"gltf_camera": "default", "width": 240, "height": 240}
+    modes = {"aa": "full"}, {"mode": "reference", "samples": 256}
+    frames = [raysvc.render(scene, None, view, settings) for settings in modes]
+    _save("cornell", np.hstack([frame.display()[..., :3] for frame in frames]))
+
+
+def glass() -> None:
+    """Glass and varnish."""
+    scene = raysvc.load("builtin:glass")
+    view = {"gltf_camera": "default", "width": 480, "height": 270}
+    frame = raysvc.render(scene, camera=view, settings={"bounces": 3, "aa": "full"})
+    _save("glass", frame.display()[..., :3])
+
+
 def _save(name: str, picture: np.ndarray) -> None:
     Image.fromarray(picture).save(IMAGES / f"{name}.png", optimize=True)
 
@@ -65,3 +82,5 @@ if __name__ == "__main__":
     layers()
     environments()
     reference()
+    cornell()
+    glass()

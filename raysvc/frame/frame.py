@@ -35,6 +35,8 @@ class Frame:
     - `object`, `material` (H, W) int32: the instance and material of that triangle
     - `occlusion` (H, W) float32: the part of the hemisphere that is free, 1 where there is nothing;
       not in reference mode
+    - `bent_normal` (H, W, 3) float32: mean free direction, 0 where there is nothing; not in
+      reference mode
     - `edge` (H, W) float32: 1 where anti-aliasing took more samples; not in reference mode
     - `coc` (H, W) float32: signed diameter of the circle of confusion in pixels, less than 0
       in front of what is sharp; only when there was a lens

@@ -56,14 +56,20 @@ class Settings(BaseModel):
         description="How textures are read: over the ellipse that a pixel covers (`ewa`), between "
         "two prefiltered sizes (`mip`), over rectangles (`sat`), or at a point.",
     )
-    shadows: bool = Field(True, description="Trace shadows of the sun and of punctual lights.")
+    shadows: bool = Field(
+        True, description="Trace shadows of the sun, of lamps and punctual lights."
+    )
     occlusion_samples: int = Field(
-        16, ge=0, le=256, description="Ambient occlusion rays per pixel; 0 leaves it out."
+        16,
+        ge=0,
+        le=256,
+        description="Rays per pixel that say how much of the sky is hidden, and what light "
+        "comes from there instead; 0 leaves both out.",
     )
     occlusion_radius: float | None = Field(
         None,
         gt=0,
-        description="How far occlusion reaches, in metres; a quarter of the diagonal by default.",
+        description="How far occlusion reaches, in metres; the scene's diagonal by default.",
     )
     ibl: Literal["sat"] = Field(
         "sat",
