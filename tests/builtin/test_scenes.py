@@ -39,10 +39,12 @@ def test_glass_has_solids_sheets_and_varnish() -> None:
 def test_the_cornell_box_is_lit_by_a_lamp_that_is_seen() -> None:
     box = BUILTIN_SCENES["cornell"]()
     lit = [max(box.materials[m].emissive) > 0 for m in box.material_of_triangle]
-    lamp = box.positions[box.triangles[lit]].reshape(-1, 3)
-    assert len(box.lights) == 1
-    assert lamp[:, 1].min() > box.lights[0].position[1]
-    assert np.allclose(lamp.mean(axis=0)[[0, 2]], np.array(box.lights[0].position)[[0, 2]])
+    lamp = box.positions[box.triangles[lit]].astype(float)
+    # Nothing but the lamp lights it, and the lamp shines down from just below the ceiling.
+    assert box.lights == () and len(lamp) == 2
+    across = np.cross(lamp[:, 1] - lamp[:, 0], lamp[:, 2] - lamp[:, 0])
+    assert (across[:, 1] < 0).all() and np.allclose(across[:, [0, 2]], 0, atol=1e-9)
+    assert 0 < box.bounds()[1, 1] - lamp[..., 1].max() < 0.01
 
 
 def test_the_cornell_box_has_red_on_the_left_seen_from_the_camera() -> None:
