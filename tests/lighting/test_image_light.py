@@ -201,3 +201,15 @@ def test_no_points_are_no_work(sky):
     nothing = surface_of(np.zeros((0, 3)), np.zeros((0, 3)))
     assert sky.diffuse(nothing, 4).shape == sky.specular(nothing, 4).shape == (0, 3)
     assert sky.radiance(np.zeros((0, 3), np.float32)).shape == (0, 3)
+
+
+def test_cones_of_a_constant_map_are_constant_and_narrow_ones_are_the_map(rng):
+    directions = random_directions(rng, 50).astype(np.float32)
+    half_width = rng.uniform(0.0, 1.5, 50).astype(np.float32)
+    constant = ImageLight(Environment(np.full((32, 64, 3), 0.7, np.float32)))
+    assert constant.cone(directions, half_width) == pytest.approx(0.7, rel=1e-4)
+    varied = ImageLight(Environment(rng.uniform(0, 1, (32, 64, 3)).astype(np.float32)))
+    narrow = varied.cone(directions, np.zeros(50, np.float32))
+    assert (narrow == varied.radiance(directions)).all()
+    wide = varied.cone(directions, np.ones(50, np.float32))
+    assert wide.std() < 0.3 * narrow.std()

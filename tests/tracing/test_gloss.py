@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from raysvc.tracing.gloss import GATHER, GlossPicture
+from raysvc.tracing.gloss import GATHER, GlossPicture, weight_of_rays
 from tests.oracles import gloss as oracle
 
 HEIGHT, WIDTH = 12, 14
@@ -109,3 +109,14 @@ def test_another_surface_adds_nothing(rng):
     radiance, _ = all_of(shown)
     radiance = radiance.reshape(HEIGHT, WIDTH, 3)
     assert radiance[left] == pytest.approx(1.0) and radiance[~left] == pytest.approx(9.0)
+
+
+def test_rays_in_the_tail_count_by_the_pixels_that_they_reach():
+    one = np.ones(3, np.float32)
+    middle, tail = np.array([1e-3, 3.0, 300.0], np.float32), np.array([1e-2, 30.0, 3000.0], "f4")
+    assert weight_of_rays(one, middle, middle) == pytest.approx(1.0)
+    weight = weight_of_rays(one, tail, middle)
+    # All of it within a pixel, between, and over a hundred times as many pixels.
+    assert weight[0] == pytest.approx(1.0, rel=1e-3)
+    assert 0.01 < weight[1] < 0.2
+    assert weight[2] == pytest.approx(0.01, rel=1e-2)
