@@ -20,6 +20,8 @@ from raysvc.types import Doubles, Floats, Longs
 
 NEAR = 2.0
 """Extents of a cluster up to which its pieces are looked at."""
+WIDENED = 0.75
+"""By how much of a disc's squared radius the square of a lobe's width grows."""
 LOOKED_AT = 32
 """Pieces of a cluster; of more, some stand for those next to them."""
 
@@ -66,7 +68,7 @@ def _arriving(
     discs: Discs, k: int, position: Vec3, normal: Vec3, ng: Vec3
 ) -> tuple[float, Vec3, float, float]:
     """Irradiance at a point from a disc of radiance 1, direction to it, its squared radius as an
-    angle, and N.L.
+    angle if seen straight on, and N.L.
 
     The form factor of a disc that is not right above a point is approximate, but never more than 1
     (Wallace et al. 1989, equation 9). Of pieces that face all ways a quarter of the area is seen
@@ -81,8 +83,8 @@ def _arriving(
     mean = row3(discs.normal, k)
     flat = min(math.sqrt(dot(mean, mean)), 1.0)
     seen = discs.area[k] * (max(-dot(mean, to_light), 0.0) + 0.25 * (1.0 - flat))
-    radius2 = seen / (math.pi * distance2 + seen)
-    return math.pi * radius2 * nol, to_light, radius2, nol
+    arriving = math.pi * nol * seen / (math.pi * distance2 + seen)
+    return arriving, to_light, discs.area[k] / (math.pi * distance2 + discs.area[k]), nol
 
 
 @inlined
@@ -111,9 +113,9 @@ def _piece_arriving(
         normal, corner, plus(corner, first, 1.0), plus(corner, second, 1.0)
     )
     across = cross(first, second)
-    seen = 0.5 * abs(dot(across, to_light))
+    area = 0.5 * math.sqrt(dot(across, across))
     nol = max(dot(normal, to_light), 1e-4)
-    return arriving, to_light, seen / (math.pi * distance2 + seen), nol
+    return arriving, to_light, area / (math.pi * distance2 + area), nol
 
 
 @kernel
@@ -165,7 +167,10 @@ def light_from_lamps(
                 if shine > 0.0:
                     noh = dot(normal, half)
                     sine2 = min(max(1.0 - noh * noh / half2, 0.0), 1.0)
-                    lobe = ggx_density_under_disc(sine2, alpha, radius2 / (4.0 * voh))
+                    # Discs lie side by side like coins: wider lobes close the gaps
+                    radius2 /= 4.0 * voh
+                    wide = math.sqrt(alpha * alpha + WIDENED * radius2)
+                    lobe = ggx_density_under_disc(sine2, wide, radius2)
                     lobe *= smith_visibility(nol, nov, alpha) * shine
                     lobe_0, lobe_x = lobe * (1.0 - x), lobe * x
                     red_0, red_x = red_0 + r * lobe_0, red_x + r * lobe_x

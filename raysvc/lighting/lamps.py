@@ -23,13 +23,13 @@ from raysvc.shading.scene_tables import SceneTables
 from raysvc.shading.surface import Surface
 from raysvc.types import Bools, Doubles, Floats, Longs
 
-LARGE = 0.05
-"""Part of a scene's area above which what glows in one colour is no lamp."""
+LARGE = 0.002
+"""Part of a scene's area above which clusters are too large on the mean to be seen as discs."""
 COLOURS = 4
 """Into how many lights lamps are divided at most, for the shadows of each to have its colour."""
 LIKE = 0.06
 """Largest difference of a channel's share between like colours."""
-SMOOTH, ROUGH = 0.1, 0.3
+SMOOTH, ROUGH = 0.08, 0.22
 """Roughness up to which reflected rays show what glows, and from which its highlight is here."""
 
 
@@ -48,6 +48,11 @@ class LampLight:
 
     def __init__(self, pieces: Pieces) -> None:
         self._pieces, self._order, self._discs = clustered(pieces)
+
+    @property
+    def clusters(self) -> int:
+        """As how many discs it lights from afar."""
+        return len(self._discs.area)
 
     def unshadowed(self, surface: Surface) -> Floats:
         """(N, 3) radiance that points return of it with nothing in the way.
@@ -94,9 +99,11 @@ def lamps_of(scene: Scene, tables: SceneTables) -> Lamps:
     lights = []
     for number in range(COLOURS):
         own = np.flatnonzero(group[scene.material_of_triangle] == number)
-        if len(own) and area[own].sum() <= LARGE * area.sum():
-            lights.append(LampLight(records.chosen(pieces, group[material] == number)))
-            shines[own] = True
+        if len(own):
+            light = LampLight(records.chosen(pieces, group[material] == number))
+            if area[own].sum() <= LARGE * area.sum() * light.clusters:
+                lights.append(light)
+                shines[own] = True
     return Lamps(tuple(lights), shines)
 
 

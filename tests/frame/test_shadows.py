@@ -202,7 +202,7 @@ def test_a_lamp_is_mirrored_once() -> None:
     lamp = Material(base_colour=(0, 0, 0, 1), metallic=0.0, emissive=(1.0, 1.0, 1.0))
     view = {"eye": [0, 2.0, 2.0], "target": [0, 0, 0], "width": 48, "height": 48, "fov_y_deg": 50}
     total = {}
-    for roughness in (0.0, 0.1, 0.2, 0.3, 0.4):
+    for roughness in (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4):
         floor = Material(base_colour=(1.0, 1.0, 1.0, 1.0), metallic=1.0, roughness=roughness)
         parts = [
             Part(sheet(30.0, 30.0, 1, 1), 0),
@@ -215,7 +215,7 @@ def test_a_lamp_is_mirrored_once() -> None:
         total[roughness] = frame.layers["beauty"][..., 0][on_floor].sum()
     # A wider lobe spreads the lamp's picture; about as much of it reaches the camera.
     values = np.array(list(total.values()))
-    assert values.min() > 0.6 * values.max()
+    assert values.min() > 0.8 * values.max()
 
 
 def test_lamps_and_suns_are_the_same_with_any_number_of_threads() -> None:

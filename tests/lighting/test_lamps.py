@@ -115,11 +115,24 @@ def test_highlights_are_those_of_the_integral(roughness):
         assert got[n] == pytest.approx(2.0 * expected, rel=0.07)
 
 
+@pytest.mark.parametrize("roughness", [0.15, 0.2])
+def test_a_narrow_lobe_does_not_tell_clusters_apart(roughness):
+    """Along a panel that a glossy floor shows, light is nearly even."""
+    found, _ = lamps([panel(1.5, 1.5)], [glowing()])
+    x = np.linspace(-0.25, 0.25, 101)
+    at = np.stack([x, np.zeros(101), np.full(101, 2.0)], axis=1)
+    # Everywhere the panel's middle line is mirrored
+    view = np.array([0.0, 2.0, 2.0]) / np.sqrt(8.0)
+    surface = surface_of(np.tile([0, 1.0, 0], (101, 1)), view, 1.0, 1.0, roughness)
+    got = found.lights[0].unshadowed(surface._replace(position=at.astype(np.float32)))[:, 0]
+    assert got.min() > 0.85 * got.max()
+
+
 def test_smooth_surfaces_leave_highlights_to_reflected_rays():
     found, _ = lamps([panel()], [glowing()])
-    mirror = surface_of([[0, 1.0, 0]], [0, 1, 0], 1.0, 1.0, 0.1)
+    mirror = surface_of([[0, 1.0, 0]], [0, 1, 0], 1.0, 1.0, 0.05)
     assert not found.lights[0].unshadowed(mirror).any()
-    share = highlight(np.array([0.0, 0.1, 0.2, 0.3, 1.0], np.float32))
+    share = highlight(np.array([0.0, 0.08, 0.15, 0.22, 1.0], np.float32))
     assert share[:2].tolist() == [0, 0] and share[3:].tolist() == [1, 1] and 0 < share[2] < 1
 
 
