@@ -1,18 +1,22 @@
-"""Draws the pictures of README.md, docs/how_it_works.md and docs/reference_mode.md.
+"""Draws the pictures of README.md, docs/how_it_works.md and other pages.
 
 Run from the root of the repository: python -m docs.make_pictures
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
 import raysvc
+from raysvc.builtin.lat_long import texel_directions
 from raysvc.imaging.layer_picture import layer_picture
+from raysvc.scene import Environment, PunctualLight
 
 IMAGES = Path(__file__).parent / "images"
 STRIP = ("albedo", "normal", "depth", "id", "occlusion", "edge")
+SUN, SUN_RADIUS_RAD = (-0.6, 0.6, -0.45), np.radians(3.0)
 ENVIRONMENTS = ("clear_sky", "studio", "gradient")
 
 
@@ -56,6 +60,29 @@ def reference() -> None:
     _save("reference", np.hstack([frame.display()[..., :3] for frame in frames]))
 
 
+def shadows() -> None:
+    """A light without size, a sun of 3 degrees, occlusion and bent normals."""
+    shiny = raysvc.load("builtin:shiny")
+    matt = (replace(material, metallic=0.0, roughness=1.0) for material in shiny.materials)
+    scene = replace(shiny, materials=tuple(matt))
+    towards = np.array(SUN) / np.linalg.norm(SUN)
+    lamp = PunctualLight(
+        "directional", (3.0, 3.0, 3.0), direction=tuple(float(-x) for x in towards)
+    )
+    sky = np.full((512, 1024, 3), 0.3, np.float32)
+    disc = sky.copy()
+    inside = texel_directions(512, 1024) @ towards > np.cos(SUN_RADIUS_RAD)
+    disc[inside] += np.float32(3.0 / (np.pi * np.sin(SUN_RADIUS_RAD) ** 2))
+    view = {"eye": [1.2, 3.2, 6.2], "target": [0.2, 0.2, 0.6], "fov_y_deg": 36.0}
+    view |= {"width": 320, "height": 180}
+    settings = {"aa": "full", "aa_samples": 16}
+    hard = raysvc.render(replace(scene, lights=(lamp,)), Environment(sky), view, settings)
+    soft = raysvc.render(scene, Environment(disc), view, settings)
+    pictures = [frame.display()[..., :3] for frame in (hard, soft)]
+    layers = [layer_picture(name, soft.layers[name]) for name in ("occlusion", "bent_normal")]
+    _save("shadows", np.vstack([np.hstack(pictures), np.hstack(layers)]))
+
+
 def cornell() -> None:
     """A box lit by a lamp in both modes, hybrid on the left."""
     scene = raysvc.load("builtin:cornell")
@@ -82,5 +109,6 @@ if __name__ == "__main__":
     layers()
     environments()
     reference()
+    shadows()
     cornell()
     glass()
