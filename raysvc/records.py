@@ -23,11 +23,19 @@ def joined(parts: Sequence[Record]) -> Record:
 
 def chosen(record: Record, index: Any) -> Record:
     """Return some rows by number or mask, as copies."""
-    return _made(record, [_chosen(c, index) if isinstance(c, tuple) else c[index] for c in record])
+    number = np.asarray(index)
+    return _taken(record, np.flatnonzero(number) if number.dtype == np.bool_ else number)
 
 
-def _chosen(within: Record, index: Any) -> Record:
-    return chosen(within, index) if len(within[0]) else within
+def _taken(record: Record, number: Any) -> Record:
+    # Of arrays with more than one column, `take` is four times as fast as an index
+    return _made(
+        record, [_within(c, number) if isinstance(c, tuple) else c.take(number, 0) for c in record]
+    )
+
+
+def _within(within: Record, number: Any) -> Record:
+    return _taken(within, number) if len(within[0]) else within
 
 
 def rows(record: Record, begin: int, end: int) -> Record:

@@ -51,16 +51,17 @@ class Points:
         )
 
 
-def front(points: Points, pixels: int) -> Longs:
-    """(pixels,) int64: which of the N points stands for each pixel in its layers, -1 where there
-    is none.
+def front(pixel: Longs, alpha: Floats, pixels: int) -> Longs:
+    """(pixels,) int64: which of N points stands for each pixel in its layers, -1 where there is
+    none.
 
-    The first that covers at least half of what is behind it, else the last.
+    The first that covers at least half of what is behind it, else the last. Points in pixels (N,)
+    are in order of distance within each, and cover alpha (N,).
     """
     chosen = np.full(pixels, -1, np.int64)
-    order = np.arange(len(points.pixel))
+    order = np.arange(len(pixel))
     # Later assignments win: first whatever is last, then, from back to front, what covers enough.
-    chosen[points.pixel] = order
-    solid = order[points.surface.alpha >= 0.5][::-1]
-    chosen[points.pixel[solid]] = solid
+    chosen[pixel] = order
+    solid = order[alpha >= 0.5][::-1]
+    chosen[pixel[solid]] = solid
     return chosen

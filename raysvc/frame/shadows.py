@@ -17,7 +17,7 @@ from raysvc.lighting.area_light import AreaLight
 from raysvc.parallel import Control, for_chunks
 from raysvc.tracing.neighbours import BESIDE, Neighbours
 from raysvc.tracing.tile_pattern import RAYS, dealt_points, place_in_tile
-from raysvc.types import Floats, Longs
+from raysvc.types import Doubles, Floats, Longs
 
 
 def _tent(*weights: float) -> Floats:
@@ -136,10 +136,12 @@ class AreaShadow:
         points = self._points
         return points.pixel[index], points.depth[index], points.surface.geometric_normal[index]
 
-    def at(self, points: Points) -> Floats:
+    def at(self, points: Points, samples: Doubles) -> Floats:
         """(N, 3) radiance that other points in the picture's pixels return of the light.
 
-        They take their neighbours' word if those agree, and ask for themselves otherwise.
+        They take their neighbours' word if those agree. The others ask for themselves, by a ray
+        each to the place of the light that samples (N, 2) in 0..1 name: it is for several points in
+        a pixel to ask for different places.
         """
         radiance = unshadowed(self._light, points.surface)
         lit = np.flatnonzero(radiance.any(axis=1))
@@ -147,6 +149,7 @@ class AreaShadow:
         part = self._neighbours.mean(self._part, BESIDE, *where)
         agree = self._neighbours.span(self._part[:, 0], 1, *where) <= AGREEING
         unsure = np.flatnonzero(~agree | np.isnan(part[:, 0]))
-        part[unsure, 0] = self._direct.alone(self._light, points.surface, lit[unsure])
+        asking = lit[unsure]
+        part[unsure, 0] = self._direct.part(self._light, points.surface, asking, samples[asking])
         radiance[lit] *= part
         return radiance

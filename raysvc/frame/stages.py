@@ -43,7 +43,10 @@ def rasterise(draft: Draft) -> None:
         draft.control,
         "surfaces",
     )
-    draft.front = front(draft.points, draft.camera.width * draft.camera.height)
+    points = draft.points
+    draft.front = front(
+        points.pixel, points.surface.alpha, draft.camera.width * draft.camera.height
+    )
 
 
 def write_layers(draft: Draft) -> None:

@@ -2,31 +2,38 @@
 
 Iourcha, Yang and Pomianowski 2009, "A Directionally Adaptive Edge Anti-Aliasing Filter" (HPG). Near
 an edge a picture is taken to change in one direction only, colour = g(u . x). Its gradient is that
-of the plane which fits the 3 x 3 pixels about a pixel best, u the direction that the gradients of
-all channels have most in common. A line across u is then of one colour: each of the nine pixels
+of the plane which fits the samples of the 3 x 3 pixels about a pixel best, u the direction that the
+gradients of all channels have most in common. A line across u is then of one colour: each sample
 counts as much as its line is long within the pixel.
 
-The paper takes several samples of a pixel; here are only the centres, so that nothing is traced or
-shaded. Light is compressed meanwhile, or one highlight would outshine the mean.
+Light is compressed meanwhile, or one highlight would outshine the mean.
 """
 
 import math
 
 from raysvc.jit import inlined, kernel
-from raysvc.types import Bools, Floats
+from raysvc.types import Doubles, Floats, Ints, Longs
 
 LEAST_CHANGE = 1e-4
-"""Squared length of a gradient, in compressed light per pixel, below which nothing is smoothed."""
-LEAST_EXPLAINED = 0.6
-"""Part of the nine pixels' variance that a change along u must explain: a step explains most of it,
-while at corners, on thin lines and in foliage there is no one direction."""
+"""Squared length of a gradient, in compressed light per pixel, below which there is no edge."""
+LEAST_EXPLAINED = 0.55
+"""Part of the samples' variance that a change along u must explain. A straight step explains three
+quarters of it, two thirds if it is diagonal or at the pixel's border; at corners, on thin lines
+and in foliage there is no one direction."""
 RED, GREEN, BLUE = 0.2126, 0.7152, 0.0722
 
 
-@inlined
-def compressed_scale(red: float, green: float, blue: float) -> float:
-    """1 / (1 + luminance): what a colour is multiplied by before it is averaged."""
-    return 1.0 / (1.0 + max(RED * red + GREEN * green + BLUE * blue, 0.0))
+@kernel
+def compress(rgba: Floats, back: bool) -> None:
+    """Multiply premultiplied RGBA (N, 4) by 1 / (1 + luminance) in place, or undo that (`back`)."""
+    for n in range(len(rgba)):
+        luminance = RED * rgba[n, 0] + GREEN * rgba[n, 1] + BLUE * rgba[n, 2]
+        if back:
+            scale = 1.0 / max(1.0 - luminance, 1e-6)
+        else:
+            scale = 1.0 / (1.0 + max(luminance, 0.0))
+        for k in range(3):
+            rgba[n, k] *= scale
 
 
 @inlined
@@ -46,86 +53,93 @@ def chord(offset: float, across: float, along: float) -> float:
 
 
 @kernel
-def smooth_along_edges(picture: Floats, mask: Bools, smoothed: Floats) -> None:
-    """Fill `smoothed` (H, W, 4) from premultiplied RGBA (H, W, 4), filtered in the mask (H, W)."""
-    height, width = mask.shape
-    for row in range(height):
-        for col in range(width):
-            for k in range(4):
-                smoothed[row, col, k] = picture[row, col, k]
-            if not mask[row, col]:
-                continue
+def smooth_along_edges(
+    picture: Floats,
+    slot: Ints,
+    samples: Floats,
+    offsets: Doubles,
+    pixel: Longs,
+    smoothed: Floats,
+) -> None:
+    """Fill `smoothed` (P, 4) with what pixels (P,), row * W + col, show.
 
-            # Gradients of all channels, and their second moments
-            xx, xy, yy, variance = 0.0, 0.0, 0.0, 0.0
-            for k in range(4):
-                right, down, mean, square = 0.0, 0.0, 0.0, 0.0
-                for dy in range(-1, 2):
-                    for dx in range(-1, 2):
-                        y, x = min(max(row + dy, 0), height - 1), min(max(col + dx, 0), width - 1)
-                        scale = compressed_scale(
-                            picture[y, x, 0], picture[y, x, 1], picture[y, x, 2]
-                        )
-                        value = picture[y, x, k] * (scale if k < 3 else 1.0)
-                        right += dx * value / 6.0
-                        down += dy * value / 6.0
-                        mean += value / 9.0
-                        square += value * value
-                xx += right * right
-                xy += right * down
-                yy += down * down
-                variance += square - 9.0 * mean * mean
+    A pixel about which no one direction explains the samples shows the mean of its own.
 
-            # The direction that they have most in common
-            middle, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
-            root = math.sqrt(half * half + xy * xy)
-            most = middle + root
-            # Along an axis the squares of the nine places add up to 6.
-            if most < LEAST_CHANGE or 6.0 * most < LEAST_EXPLAINED * variance:
-                continue
-            ux, uy = (half + root, xy) if half >= 0.0 else (xy, root - half)
-            length = math.sqrt(ux * ux + uy * uy)
-            if length == 0.0:
-                continue
-            ux, uy = ux / length, uy / length
-
-            # Every pixel by the length of its line
-            total, red, green, blue, alpha = 0.0, 0.0, 0.0, 0.0, 0.0
-            for dy in range(-1, 2):
-                for dx in range(-1, 2):
-                    y, x = min(max(row + dy, 0), height - 1), min(max(col + dx, 0), width - 1)
-                    counts = chord(dx * ux + dy * uy, ux, uy)
-                    scale = compressed_scale(picture[y, x, 0], picture[y, x, 1], picture[y, x, 2])
-                    total += counts
-                    red += counts * scale * picture[y, x, 0]
-                    green += counts * scale * picture[y, x, 1]
-                    blue += counts * scale * picture[y, x, 2]
-                    alpha += counts * picture[y, x, 3]
-            red, green, blue = red / total, green / total, blue / total
-            luminance = RED * red + GREEN * green + BLUE * blue
-            back = 1.0 / max(1.0 - luminance, 1e-6)
-            smoothed[row, col, 0] = red * back
-            smoothed[row, col, 1] = green * back
-            smoothed[row, col, 2] = blue * back
-            smoothed[row, col, 3] = alpha / total
-
-
-@kernel
-def contrasts(picture: Floats, contrast: Floats) -> None:
-    """Fill contrast (H, W): the greatest difference to one of eight neighbours, light compressed.
-
-    Of the channels of premultiplied RGBA (H, W, 4).
+    Parameters
+    ----------
+    picture
+        (H, W, 4) compressed premultiplied RGBA of pixel centres
+    slot
+        (H, W) which of the Q pixels with samples a pixel is; -1 for one whose samples are all of
+        its centre's colour
+    samples
+        (Q, S, 4) compressed premultiplied RGBA
+    offsets
+        (S, 2) places of samples from the centre of their pixel, in pixels to the right and down
     """
-    height, width = contrast.shape
-    for row in range(height):
-        for col in range(width):
-            own = compressed_scale(picture[row, col, 0], picture[row, col, 1], picture[row, col, 2])
-            greatest = 0.0
-            for y in range(max(row - 1, 0), min(row + 2, height)):
-                for x in range(max(col - 1, 0), min(col + 2, width)):
-                    scale = compressed_scale(picture[y, x, 0], picture[y, x, 1], picture[y, x, 2])
-                    for k in range(3):
-                        apart = abs(scale * picture[y, x, k] - own * picture[row, col, k])
-                        greatest = max(greatest, apart)
-                    greatest = max(greatest, abs(picture[y, x, 3] - picture[row, col, 3]))
-            contrast[row, col] = greatest
+    height, width = slot.shape
+    count = len(offsets)
+    xx, xy, yy = 0.0, 0.0, 0.0
+    for s in range(count):
+        for place in range(9):
+            x, y = place % 3 - 1 + offsets[s, 0], place // 3 - 1 + offsets[s, 1]
+            xx += x * x
+            xy += x * y
+            yy += y * y
+    determinant = xx * yy - xy * xy
+
+    for n in range(len(pixel)):
+        row, col = pixel[n] // width, pixel[n] % width
+
+        # Gradients of all channels, their second moments, and all that there is to explain
+        gxx, gxy, gyy, variance = 0.0, 0.0, 0.0, 0.0
+        for k in range(4):
+            right, down, total, square = 0.0, 0.0, 0.0, 0.0
+            for place in range(9):
+                dx, dy = place % 3 - 1, place // 3 - 1
+                v, u = min(max(row + dy, 0), height - 1), min(max(col + dx, 0), width - 1)
+                q = slot[v, u]
+                for s in range(count):
+                    value = samples[q, s, k] if q >= 0 else picture[v, u, k]
+                    right += (dx + offsets[s, 0]) * value
+                    down += (dy + offsets[s, 1]) * value
+                    total += value
+                    square += value * value
+            gx = (right * yy - down * xy) / determinant
+            gy = (down * xx - right * xy) / determinant
+            gxx += gx * gx
+            gxy += gx * gy
+            gyy += gy * gy
+            variance += square - total * total / (9.0 * count)
+
+        # The direction that they have most in common
+        middle, half = 0.5 * (gxx + gyy), 0.5 * (gxx - gyy)
+        root = math.sqrt(half * half + gxy * gxy)
+        ux, uy = (half + root, gxy) if half >= 0.0 else (gxy, root - half)
+        length = math.sqrt(ux * ux + uy * uy)
+        most, explained = middle + root, 0.0
+        if length > 0.0:
+            ux, uy = ux / length, uy / length
+            explained = most * (xx * ux * ux + 2.0 * xy * ux * uy + yy * uy * uy)
+        directed = most >= LEAST_CHANGE and explained >= LEAST_EXPLAINED * variance
+
+        # Every sample by the length of its line
+        weight, red, green, blue, alpha = 0.0, 0.0, 0.0, 0.0, 0.0
+        for place in range(9):
+            dx, dy = place % 3 - 1, place // 3 - 1
+            if not directed and place != 4:
+                continue
+            v, u = min(max(row + dy, 0), height - 1), min(max(col + dx, 0), width - 1)
+            q = slot[v, u]
+            for s in range(count):
+                counts = 1.0
+                if directed:
+                    counts = chord((dx + offsets[s, 0]) * ux + (dy + offsets[s, 1]) * uy, ux, uy)
+                if counts > 0.0:
+                    weight += counts
+                    red += counts * (samples[q, s, 0] if q >= 0 else picture[v, u, 0])
+                    green += counts * (samples[q, s, 1] if q >= 0 else picture[v, u, 1])
+                    blue += counts * (samples[q, s, 2] if q >= 0 else picture[v, u, 2])
+                    alpha += counts * (samples[q, s, 3] if q >= 0 else picture[v, u, 3])
+        smoothed[n, 0], smoothed[n, 1] = red / weight, green / weight
+        smoothed[n, 2], smoothed[n, 3] = blue / weight, alpha / weight

@@ -2,8 +2,10 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from raysvc.geometry.vector_kernels import Vec3, cross, dot, plus, row3, scaled, unit_or
-from raysvc.jit import inlined
+from raysvc.jit import inlined, kernel
 from raysvc.types import Floats, Ints
 
 
@@ -28,6 +30,17 @@ def mixed3(array: Floats, i0: int, i1: int, i2: int, u: float, v: float) -> Vec3
         w * array[i0, 1] + u * array[i1, 1] + v * array[i2, 1],
         w * array[i0, 2] + u * array[i1, 2] + v * array[i2, 2],
     )
+
+
+@kernel
+def positions_at(geometry: Geometry, triangle: Ints, barycentric: Floats, position: Floats) -> None:
+    """Fill position (N, 3) of points at triangle (N,), all >= 0, and barycentric (N, 2)."""
+    for n in range(len(triangle)):
+        f = triangle[n]
+        u, v = np.float64(barycentric[n, 0]), np.float64(barycentric[n, 1])
+        corners = geometry.triangles
+        here = mixed3(geometry.positions, corners[f, 0], corners[f, 1], corners[f, 2], u, v)
+        position[n, 0], position[n, 1], position[n, 2] = here
 
 
 @inlined

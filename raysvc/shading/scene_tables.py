@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from raysvc.scene import Scene
-from raysvc.shading.attribute_kernels import Geometry
+from raysvc.shading.attribute_kernels import Geometry, positions_at
 from raysvc.shading.coverage_kernels import alphas, coverages, opacities
 from raysvc.shading.footprint import Footprint
 from raysvc.shading.glass_kernels import evaluate_glass
@@ -84,6 +84,12 @@ class SceneTables:
             positions=scene.positions, normals=scene.normals, tangents=scene.tangents
         )
         return replace(self, geometry=geometry)
+
+    def position(self, triangle: Ints, barycentric: Floats) -> Floats:
+        """(N, 3) float32 of points; triangle (N,) is nowhere -1."""
+        position = np.empty((len(triangle), 3), np.float32)
+        positions_at(self.geometry, triangle, barycentric, position)
+        return position
 
     def alpha(self, triangle: Ints, barycentric: Floats) -> Floats:
         """(N,) float32 coverage of points, 0 where triangle is -1; masks are 0 or 1."""

@@ -245,13 +245,12 @@ def test_a_second_frame_finds_what_the_first_has_prepared() -> None:
 
 def test_edge_samples_lie_between_no_and_full_anti_aliasing() -> None:
     scene = still_life()
-    aa = {
-        name: raysvc.render(scene, camera=VIEW, settings={"aa": name, "aa_samples": 16}).layers[
-            "beauty"
-        ]
+    frames = {
+        name: raysvc.render(scene, camera=VIEW, settings={"aa": name, "aa_samples": 16})
         for name in ("none", "edges", "full")
     }
-    flagged = edge_layer(scene) > 0
+    aa = {name: frame.layers["beauty"] for name, frame in frames.items()}
+    flagged = frames["edges"].layers["edge"] > 0
     error = {name: np.abs(aa[name] - aa["full"])[flagged].mean() for name in ("none", "edges")}
     assert 0.02 < flagged.mean() < 0.3
     assert error["edges"] < 0.7 * error["none"]
@@ -273,10 +272,6 @@ def test_edge_samples_find_the_coverage_of_even_surfaces_exactly() -> None:
     # Half the width of the picture is 4 tan(20 deg) metres, 24 pixels.
     area_px = 1.3 * 0.9 * (24 / (4 * np.tan(np.radians(20)))) ** 2
     assert coverage.sum() == pytest.approx(area_px, rel=0.01)
-
-
-def edge_layer(scene: raysvc.Scene) -> np.ndarray:
-    return raysvc.render(scene, camera=VIEW).layers["edge"]
 
 
 def test_a_cancelled_frame_stops() -> None:

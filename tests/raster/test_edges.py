@@ -1,8 +1,10 @@
 """Where more samples are taken, on drawn examples."""
 
 import numpy as np
+import pytest
 
-from raysvc.raster.edges import edge_mask
+from raysvc.raster.edge_kernels import UNKNOWN
+from raysvc.raster.edges import shadow_edges, surface_edges, visible_contrast
 
 
 def shown(mask):
@@ -15,7 +17,7 @@ def mask(part=None, depth=None, normal=None, shape=(3, 6)):
     if normal is None:
         normal = np.zeros((*part.shape, 3), np.float32)
         normal[..., 2] = part >= 0
-    return shown(edge_mask(part, depth, np.array(normal, np.float32)))
+    return shown(surface_edges(part, depth, np.array(normal, np.float32)))
 
 
 def test_a_flat_face_has_no_edges():
@@ -69,3 +71,39 @@ def test_pictures_of_one_pixel_or_row_are_possible():
     assert mask(shape=(1, 1)) == ["."]
     assert mask([[0, 0, 1, 1]]) == [".##."]
     assert mask([[0], [1], [1]]) == ["#", "#", "."]
+
+
+def test_pixels_of_which_nothing_is_known_make_no_edges():
+    part = [[0, 0, UNKNOWN, 1, 1, 1]] * 3
+    assert mask(part) == ["......"] * 3
+
+
+def test_a_shadow_has_edges_where_half_the_light_is_lost_within_a_part():
+    part = np.array([[3, 3, 3, 3, 3, 5]], np.int32)
+    light = np.array([[1.0, 0.9, 0.44, 0.3, 0.25, 0.0]], np.float32)
+    assert shown(shadow_edges(part, light)) == [".##..."]
+    assert shown(shadow_edges(np.full((1, 6), -1, np.int32), light)) == ["......"]
+
+
+def test_contrast_is_the_greatest_difference_to_a_neighbour_as_a_screen_shows_it():
+    picture = np.full((3, 4, 4), 0.2, np.float32)
+    picture[..., 3] = 1.0
+    picture[1, 0, 1] = 0.8
+    contrast = visible_contrast(picture)
+    step = np.sqrt(0.8 / 1.8) - np.sqrt(0.2 / 1.2)
+    assert contrast[[0, 1, 1, 2], [0, 0, 1, 0]] == pytest.approx(step)
+    assert (contrast[:, 2:] == 0).all() and contrast[0, 1] == 0
+
+
+def test_contrast_does_not_depend_on_how_bright_the_light_is(rng):
+    picture = rng.random((8, 8, 4), dtype=np.float32)
+    brighter = picture.copy()
+    brighter[..., :3] *= 1024.0
+    assert visible_contrast(brighter) == pytest.approx(visible_contrast(picture), abs=1e-6)
+
+
+def test_contrast_counts_outlines_of_what_is_black_and_darkness_is_even():
+    picture = np.zeros((2, 3, 4), np.float32)
+    picture[:, 0, 3] = 1.0
+    assert visible_contrast(picture) == pytest.approx(np.array([[1.0, 1.0, 0.0]] * 2))
+    assert (visible_contrast(np.zeros((2, 3, 4), np.float32)) == 0).all()
