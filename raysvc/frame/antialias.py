@@ -21,8 +21,8 @@ def antialias(draft: Draft) -> None:
     """Smooth the picture as the settings say, and note which pixels that was for."""
     settings = draft.settings
     # One sample is the pixel's centre, which is there already.
-    shades = settings.aa in ("edges", "full")
-    mask = METHODS["none" if shades and settings.aa_samples == 1 else settings.aa](draft)
+    shades_none = settings.aa in ("edges", "full") and not settings.shades_samples
+    mask = METHODS["none" if shades_none else settings.aa](draft)
     draft.layers["edge"] = mask.astype(np.float32)
     draft.ledger.edge_fraction = float(mask.mean())
 

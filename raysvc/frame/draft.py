@@ -20,7 +20,7 @@ from raysvc.parallel import Control, map_chunks
 from raysvc.scene import Camera
 from raysvc.tracing.gloss import GlossPicture
 from raysvc.tracing.neighbours import Neighbours
-from raysvc.types import Floats, Longs
+from raysvc.types import Bools, Floats, Longs
 
 
 @dataclass(slots=True, eq=False)
@@ -48,6 +48,8 @@ class Draft:
     """(N, 10) columns of an `Ambient`."""
     reflection: Reflection = field(init=False)
     transmission: Transmission = field(init=False)
+    grainy: Bools = field(init=False)
+    """(N,) points whose lobes are too narrow to share rays, and too wide for one to tell."""
     gloss: GlossPicture = field(init=False)
     """What rays into the lobes of rough mirrors have brought."""
     frost: GlossPicture | None = None

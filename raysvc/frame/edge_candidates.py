@@ -15,8 +15,8 @@ from raysvc.raster.edge_kernels import UNKNOWN
 from raysvc.raster.edges import shadow_edges, surface_edges, visible_contrast
 from raysvc.types import Bools, Floats, Ints
 
-LEAST_CONTRAST = 0.03
-"""Between neighbours, of black to white: eight steps of a screen's 255."""
+LEAST_CONTRAST = 0.08
+"""Between neighbours, of black to white: twenty steps of a screen's 255."""
 CLEAR_CONTRAST = 0.1
 """The same for what is seen through glass, whose textures cannot be told from its edges."""
 SHARP_PX = 0.3
@@ -32,7 +32,7 @@ class Candidates(NamedTuple):
     shadows: Bools
     """Of a shadow on it."""
     beyond: Bools
-    """Of what it mirrors or lets through."""
+    """Of what it mirrors or lets through, or grain of it."""
 
 
 def edge_candidates(draft: Draft) -> Candidates:
@@ -47,6 +47,7 @@ def edge_candidates(draft: Draft) -> Candidates:
     beyond = _mirrored_edges(draft)
     if draft.frost is not None:
         beyond |= _is_sharp(draft, draft.transmission) & (contrast > CLEAR_CONTRAST)
+    beyond |= draft.picture(draft.grainy, False)
     return Candidates(shapes & visible, shadows & visible, beyond & visible)
 
 

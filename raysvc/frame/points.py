@@ -40,6 +40,16 @@ class Points:
     """Of N points: what their pixels cover there."""
     surface: Surface
 
+    def chosen(self, index: Longs) -> "Points":
+        """Return some of the points by number."""
+        return Points(
+            self.pixel[index],
+            self.triangle[index],
+            self.depth[index],
+            records.chosen(self.footprint, index),
+            self.surface.chosen(index),
+        )
+
     def seen(self, camera: Camera, begin: int, end: int, pixels_per_step: float = 1.0) -> Seen:
         """Return points begin..end with differentials of the camera's rays to them."""
         surface = self.surface.rows(begin, end)

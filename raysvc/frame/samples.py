@@ -28,7 +28,7 @@ from raysvc.shading.surface import Surface
 from raysvc.tracing.neighbours import BESIDE
 from raysvc.tracing.occlusion import tile_of
 from raysvc.tracing.tile_pattern import place_in_tile, tile_points
-from raysvc.types import Bools, Floats, Ints, Longs
+from raysvc.types import Bools, Doubles, Floats, Ints, Longs
 
 LEAST_SHADOW = 0.05
 """Of a point's light, in its shadow's absence, that a shadow must take away to be looked at."""
@@ -69,7 +69,8 @@ def shaded_each(draft: Draft, pixel: Longs) -> Floats:
     # Together the samples stand for the pixel, each for its part of it.
     step = float(draft.settings.aa_samples) ** -0.5
     points = _evaluated(draft, pixel, found, step)
-    radiance = _shaded(draft, points, _direct_at(draft, points, found.ray), step)
+    asked = _places(draft, points.pixel, found.ray)
+    radiance = _shaded(draft, points, _direct_at(draft, points, asked), step, asked)
     return _mean(draft, pixel, found.ray, radiance, points.surface.alpha)
 
 
@@ -156,22 +157,26 @@ def _direct(draft: Draft, pixel: Longs, found: Found, sharing: Sharing, begin: i
         Footprint.points(surface.size),
         surface._replace(position=found.position[begin:]),
     )
-    direct = _direct_at(draft, points, found.ray[begin:])
+    direct = _direct_at(draft, points, _places(draft, points.pixel, found.ray[begin:]))
     direct[surface.unlit] = 0.0
     return direct
 
 
-def _direct_at(draft: Draft, points: Points, ray: Longs) -> Floats:
-    """(N, 3) radiance that points beside pixel centres return of lights.
+def _places(draft: Draft, pixel: Longs, ray: Longs) -> Doubles:
+    """(N, 2) places in 0..1 of a lobe or of a light that samples in pixels (N,) ask.
 
-    Those of one pixel, told apart by `ray` (N,), ask different places of an area for its light: one
-    distribution of rays serves the pixel and the light (Cook et al. 1984, "Distributed Ray
-    Tracing").
+    Those of one pixel, told apart by `ray` (N,), ask different ones: one distribution of rays
+    serves the pixel and what its points ask (Cook et al. 1984, "Distributed Ray Tracing").
     """
     samples = draft.settings.aa_samples
-    place = place_in_tile(points.pixel, draft.camera.width)
     pattern = tile_points(draft.settings.seed)
-    asked = pattern[(place * samples + ray % samples) % len(pattern)]
+    place = place_in_tile(pixel, draft.camera.width)
+    asked: Doubles = pattern[(place * samples + ray % samples) % len(pattern)]
+    return asked
+
+
+def _direct_at(draft: Draft, points: Points, asked: Doubles) -> Floats:
+    """(N, 3) radiance that points beside pixel centres return of lights, which are asked there."""
     direct = draft.illumination.direct.punctual(points.surface)
     for shadow in draft.shadows:
         direct += shadow.at(points, asked)
@@ -243,12 +248,18 @@ def _mean(draft: Draft, pixel: Longs, ray: Longs, radiance: Floats, alpha: Float
     return mean
 
 
-def _shaded(draft: Draft, points: Points, direct: Floats, pixels_per_step: float) -> Floats:
+def _shaded(
+    draft: Draft,
+    points: Points,
+    direct: Floats,
+    pixels_per_step: float,
+    asked: Doubles | None = None,
+) -> Floats:
     """(N, 3) radiance of points beside pixel centres that return `direct` (N, 3) of lights."""
     lit = draft.illumination.lit(
         points.surface, points.footprint, direct, _ambient_at(draft, points)
     )
-    return leaving(lit, *beside(draft, points, lit, pixels_per_step))
+    return leaving(lit, *beside(draft, points, lit, pixels_per_step, asked))
 
 
 def _ambient_at(draft: Draft, points: Points) -> Ambient:

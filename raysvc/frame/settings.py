@@ -49,7 +49,7 @@ class Settings(BaseModel):
         ge=0,
         le=8,
         description="How many times a reflection, or in reference mode a path, is followed on from "
-        "what it has met; 1 by default, and 8 in reference mode.",
+        "what it has met; 3 by default, and 8 in reference mode.",
     )
     texture_filter: Literal["ewa", "mip", "sat", "bilinear", "nearest"] = Field(
         "ewa",
@@ -129,7 +129,12 @@ class Settings(BaseModel):
         """`bounces`, or the mode's default."""
         if self.bounces is not None:
             return self.bounces
-        return 1 if self.mode == "hybrid" else 8
+        return 3 if self.mode == "hybrid" else 8
+
+    @property
+    def shades_samples(self) -> bool:
+        """Are samples beside pixel centres shaded, where there are edges or everywhere?"""
+        return self.aa in ("edges", "full") and self.aa_samples > 1
 
 
 def settings_from(values: Mapping[str, Any] | Settings | None) -> Settings:

@@ -12,6 +12,7 @@ from raysvc.frame.primary import CHUNK
 from raysvc.frame.radiance import Lit
 from raysvc.frame.reflections import Reflection, Transmission
 from raysvc.lighting.brdf import MIRROR_ROUGHNESS
+from raysvc.lighting.sun import LUMINANCE
 from raysvc.parallel import for_chunks, map_chunks
 from raysvc.tracing.gloss import GlossPicture, weight_of_rays
 from raysvc.tracing.tile_pattern import place_in_tile, tile_points
@@ -19,16 +20,20 @@ from raysvc.types import Bools, Doubles, Floats, Longs
 
 Brought = TypeVar("Brought", Reflection, Transmission)
 
-MORE = 3
-"""Further rays of a point whose lobe is too narrow for neighbours to share, yet not a mirror's."""
+RAYS = 8
+"""Into lobes that one ray cannot tell, if no samples beside the pixel's centre will send theirs."""
 NARROW_PX = (0.3, 4.0)
-"""Half widths of such lobes, where they end, in pixels."""
+"""Half widths, where they end and in pixels, of lobes that are too narrow for neighbours to share
+their rays, yet wider than a mirror's."""
+LEAST_DIFFERENCE = 0.12
+"""Between neighbours' rays into them, in light compressed to 0..1, at which one ray is too few."""
 
 
 def trace_beyond(draft: Draft) -> None:
     """Trace rays from shiny points and through glass, and share those of rough surfaces."""
     points, rays = draft.points, draft.rays
     light = draft.prepared.light
+    draft.grainy = np.zeros(len(points.pixel), np.bool_)
 
     def reflected(seen: Seen, samples: Doubles | None) -> Reflection:
         return rays.reflected(seen, light.specular_albedo(seen.surface), samples)
@@ -47,33 +52,66 @@ def trace_beyond(draft: Draft) -> None:
 
 
 def beside(
-    draft: Draft, points: Points, lit: Lit, pixels_per_step: float
+    draft: Draft,
+    points: Points,
+    lit: Lit,
+    pixels_per_step: float,
+    samples: Doubles | None = None,
 ) -> tuple[Reflection, Transmission]:
     """What samples beside pixel centres show: rough ones as their neighbours do, others by rays.
 
-    `points` stand for `pixels_per_step` of a pixel along either axis.
+    `points` stand for `pixels_per_step` of a pixel along either axis. With `samples` (N, 2), which
+    are for all points of a pixel to be a good choice, they send rays into grainy lobes.
     """
     seen = points.seen(draft.camera, 0, points.surface.size, pixels_per_step)
     reflection = Reflection.none(points.surface.size)
-    alone = _taken_over(draft.gloss, points, reflection)
-    traced = draft.rays.reflected(records.chosen(seen, alone), lit.albedo[alone])
-    reflection.radiance[alone], reflection.share[alone] = traced.radiance, traced.share
+    narrow = _is_narrow(draft, points, draft.reflection, samples is not None)
+    alone = _taken_over(draft.gloss, points, narrow, reflection)
+    albedo = lit.albedo[alone]
+    traced = draft.rays.reflected(
+        records.chosen(seen, alone), albedo, None if samples is None else samples[alone]
+    )
+    reflection.radiance[alone] = traced.radiance
+    # What the weights of a lobe's rays are on the mean
+    mean = np.maximum(albedo.mean(axis=1), np.float32(1e-6))
+    reflection.share[alone] = traced.share * np.minimum(traced.weight / mean, np.float32(1.0))
     reflection.varnish[alone] = traced.varnish
 
     transmission = Transmission.none(points.surface.size)
     if draft.frost is not None:
-        through = draft.rays.transmitted(seen)
-        alone = _taken_over(draft.frost, points, transmission)
+        through = draft.rays.transmitted(seen, samples)
+        narrow = _is_narrow(draft, points, draft.transmission, samples is not None)
+        alone = _taken_over(draft.frost, points, narrow, transmission)
         transmission.radiance[alone] = through.radiance[alone]
         transmission.albedo[:] = through.albedo
     return reflection, transmission
 
 
-def _taken_over(shared: GlossPicture, points: Points, brought: Brought) -> Longs:
-    """Let rough points take what their neighbours' rays have brought; which are left alone."""
+def _is_narrow(
+    draft: Draft, points: Points, brought: Reflection | Transmission, or_grainy: bool
+) -> Bools:
+    """(N,) bool: points whose pixel's centre is of their material and has a lobe like a mirror's.
+
+    Or one that makes it grainy.
+    """
+    centre, material = draft.front[points.pixel], draft.prepared.scene.material_of_triangle
+    lobe_px = brought.lobe_px[centre]
+    narrow = (lobe_px >= 0) & (lobe_px <= NARROW_PX[0])
+    if or_grainy:
+        narrow |= draft.grainy[centre]
+    same = material[points.triangle] == material[draft.points.triangle[centre]]
+    found: Bools = (centre >= 0) & same & narrow
+    return found
+
+
+def _taken_over(shared: GlossPicture, points: Points, alone: Bools, brought: Brought) -> Longs:
+    """Let rough points take what their neighbours' rays have brought, but for those alone (N,).
+
+    Returns which take nothing.
+    """
     surface = points.surface
     radiance, share = shared.gathered(points.pixel, points.depth, surface.normal, surface.roughness)
-    known = (share >= 0) & (surface.roughness > MIRROR_ROUGHNESS)
+    known = (share >= 0) & (surface.roughness > MIRROR_ROUGHNESS) & ~alone
     if surface.coat.size:
         known &= surface.coat.clearcoat == 0
     brought.radiance[known] = radiance[known]
@@ -93,17 +131,6 @@ def _traced(
     in_front[draft.front[draft.front >= 0]] = True
     pattern = tile_points(draft.settings.seed)
 
-    def into_lobes(seen: Seen, place: Longs) -> Brought:
-        brought = trace(seen, pattern[place])
-        low, high = NARROW_PX
-        few = np.flatnonzero((brought.lobe_px > low) & (brought.lobe_px < high))
-        some_seen = records.chosen(seen, few)
-        # The places of a block of 2 x 2 pixels are a net: its four points complete each other.
-        rays: list[Brought] = [records.chosen(brought, few)]
-        rays += [trace(some_seen, pattern[place[few] ^ k]) for k in range(1, 1 + MORE)]
-        _put_mean(brought, few, rays)
-        return brought
-
     def some(begin: int, end: int) -> Brought:
         seen = points.seen(draft.camera, begin, end)
         # Points behind others have no neighbours to share with.
@@ -111,24 +138,56 @@ def _traced(
         behind = np.flatnonzero(~in_front[begin:end])
         place = place_in_tile(points.pixel[begin + front], draft.camera.width)
         parts = [
-            into_lobes(records.chosen(seen, front), place),
+            trace(records.chosen(seen, front), pattern[place]),
             trace(records.chosen(seen, behind), None),
         ]
         order = np.argsort(np.concatenate([front, behind]))
         return records.chosen(records.joined(parts), order)
 
     parts = map_chunks(len(points.pixel), CHUNK, some, draft.control, "reflections")
-    return records.joined(parts or [none(0)])
+    brought = records.joined(parts or [none(0)])
+    grainy = _grainy(draft, brought, in_front)
+    draft.grainy[grainy] = True
+    if draft.settings.shades_samples:
+        return brought
+    # In a lobe like a mirror's there is no more to find.
+    more = grainy[brought.lobe_px[grainy] > NARROW_PX[0]]
+
+    def again(begin: int, end: int) -> None:
+        index = more[begin:end]
+        seen = points.chosen(index).seen(draft.camera, 0, len(index))
+        # Each point has a net of its own, and those of 8 neighbours are all of the pattern.
+        net = RAYS * place_in_tile(points.pixel[index], draft.camera.width)
+        _put_mean(
+            brought, index, [trace(seen, pattern[(net + k) % len(pattern)]) for k in range(RAYS)]
+        )
+
+    for_chunks(len(more), CHUNK // RAYS, again, draft.control)
+    return brought
+
+
+def _grainy(draft: Draft, brought: Reflection | Transmission, in_front: Bools) -> Longs:
+    """Which of the points in front have narrow lobes, and show what their neighbours do not."""
+    points, lobe_px = draft.points, brought.lobe_px
+    index = np.flatnonzero(in_front & (lobe_px > 0) & (lobe_px < NARROW_PX[1]))
+    light = brought.radiance @ LUMINANCE.astype(np.float32)
+    if isinstance(brought, Reflection):
+        light *= brought.share
+    light = np.where(lobe_px < 0, np.float32(np.nan), light / (1.0 + light))
+    span = draft.neighbours.span(
+        light, 1, points.pixel[index], points.depth[index], points.surface.normal[index]
+    )
+    return index[span > LEAST_DIFFERENCE]
 
 
 def _put_mean(brought: Brought, few: Longs, rays: list[Brought]) -> None:
     """Write the mean of several rays of the same points to rows `few` of what they brought."""
-    weight = np.sum([ray.weight for ray in rays], axis=0)
+    weight = np.mean([ray.weight for ray in rays], axis=0)
     shares = [
         ray.weight * (ray.share if isinstance(ray, Reflection) else np.float32(1.0)) for ray in rays
     ]
-    met = np.sum(shares, axis=0)
-    light = np.sum(
+    met = np.mean(shares, axis=0)
+    light = np.mean(
         [share[:, None] * ray.radiance for share, ray in zip(shares, rays, strict=True)], axis=0
     )
     brought.radiance[few] = light / np.maximum(met, np.float32(1e-30))[:, None]

@@ -6,6 +6,7 @@ import pytest
 import raysvc
 from raysvc.builtin.mesh import Part, scene_of
 from raysvc.builtin.shapes import box, sheet, sphere
+from raysvc.frame import shared_rays
 from raysvc.scene import Material
 from tests.frame.subjects import constant_environment
 
@@ -113,6 +114,26 @@ def test_a_rough_reflection_has_no_noise() -> None:
     stripe = beauty[75:92, 44:52]
     second = stripe[2:] - 2 * stripe[1:-1] + stripe[:-2]
     assert np.abs(second).mean() < 0.06 * stripe.mean()
+
+
+def test_lobes_too_narrow_to_share_are_told_by_more_rays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The post in a nearly smooth floor: with one ray a pixel its edges are grainy."""
+
+    def shown(aa: str) -> np.ndarray:
+        settings = PLAIN | {"bounces": 1, "aa": aa, "aa_samples": 32}
+        frame = raysvc.render(rough_floor(0.12), constant_environment(0.0), VIEW, settings)
+        frames.append(frame)
+        return frame.layers["beauty"][60:, :, 0]
+
+    frames: list[raysvc.Frame] = []
+    truth, several, flagged = shown("full"), shown("none"), shown("edges")
+    # Pixels on the floor are flagged, and shaded as in the truth.
+    assert 0.01 < frames[2].layers["edge"][60:].mean() < 0.3
+    monkeypatch.setattr(shared_rays, "LEAST_DIFFERENCE", np.inf)
+    one = shown("none")
+    assert frames[1].statistics.rays["reflection"] > frames[3].statistics.rays["reflection"]
+    error = [float(np.square(picture - truth).mean()) for picture in (flagged, several, one)]
+    assert error[0] < 0.3 * error[1] and error[1] < 0.7 * error[2]
 
 
 def test_a_constant_world_is_reflected_as_constant() -> None:

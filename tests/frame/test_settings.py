@@ -45,7 +45,7 @@ def test_every_default_is_what_the_specification_says_or_nearest_to_it() -> None
     settings = Settings()
     assert (settings.mode, settings.samples) == ("hybrid", 64)
     assert (settings.occlusion_samples, settings.aa_samples) == (16, 8)
-    assert (settings.bounce_limit, Settings(mode="reference").bounce_limit) == (1, 8)
+    assert (settings.bounce_limit, Settings(mode="reference").bounce_limit) == (3, 8)
     assert Settings(mode="reference", bounces=0).bounce_limit == 0
     assert (settings.aa, settings.lens, settings.ibl, settings.tone_map) == (
         "edges",

@@ -3,7 +3,7 @@ not change."""
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from raysvc.imaging.directional_kernels import chord, compress, smooth_along_edges
@@ -115,6 +115,7 @@ def test_a_highlight_does_not_outshine_the_mean() -> None:
 @given(st.floats(-1.0, 1.0), st.floats(0.0, 2 * np.pi))
 def test_chords_are_the_lines_of_a_square(offset: float, angle: float) -> None:
     across, along = np.cos(angle), np.sin(angle)
+    assume(abs(abs(offset) - 0.5 * (abs(across) + abs(along))) > 1e-6)  # along a side
     t = np.linspace(-1.0, 1.0, 4001)
     x, y = offset * across - t * along, offset * along + t * across
     inside = (np.abs(x) <= 0.5) & (np.abs(y) <= 0.5)
