@@ -25,6 +25,8 @@ from raysvc.types import Bools, Doubles, Floats, Longs
 
 LARGE = 0.002
 """Part of a scene's area above which clusters are too large on the mean to be seen as discs."""
+MOST = 0.05
+"""Part of a scene's area above which what glows is so much that rays find it, and no lamp."""
 COLOURS = 4
 """Into how many lights lamps are divided at most, for the shadows of each to have its colour."""
 LIKE = 0.06
@@ -101,7 +103,7 @@ def lamps_of(scene: Scene, tables: SceneTables) -> Lamps:
         own = np.flatnonzero(group[scene.material_of_triangle] == number)
         if len(own):
             light = LampLight(records.chosen(pieces, group[material] == number))
-            if area[own].sum() <= LARGE * area.sum() * light.clusters:
+            if area[own].sum() <= min(LARGE * light.clusters, MOST) * area.sum():
                 lights.append(light)
                 shines[own] = True
     return Lamps(tuple(lights), shines)
