@@ -95,6 +95,8 @@ def _is_narrow(
     Or one that makes it grainy.
     """
     centre, material = draft.front[points.pixel], draft.prepared.scene.material_of_triangle
+    if not len(draft.points.pixel):
+        return centre >= 0
     lobe_px = brought.lobe_px[centre]
     narrow = (lobe_px >= 0) & (lobe_px <= NARROW_PX[0])
     if or_grainy:

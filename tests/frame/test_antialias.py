@@ -113,3 +113,15 @@ def test_leaves_smaller_than_a_pixel_are_found_and_smoothed(rng: np.random.Gener
         raysvc.render(scene, light, VIEW, PLAIN | {"aa": aa}) for aa in ("none", "edges", "full")
     )
     assert error(edges, full) < 0.2 * error(none, full)
+
+
+def test_what_no_pixel_centre_shows_is_found_by_all_samples() -> None:
+    """A card of a third of a pixel, between the centres."""
+    white = Material(unlit=True, double_sided=True)
+    pixel_m = 2.0 * np.sqrt(29.0) * np.tan(np.radians(20.0)) / 48
+    scene = scene_of("speck", [Part(sheet(0.3 * pixel_m, 0.3 * pixel_m, 1, 1), 0)], [white])
+    frame = raysvc.render(
+        scene, constant_environment(0.0), VIEW, PLAIN | {"aa": "full", "aa_samples": 64}
+    )
+    assert (frame.layers["id"] < 0).all()
+    assert 0.01 < frame.layers["beauty"][..., 0].sum() < 0.1
