@@ -61,7 +61,7 @@ def main() -> None:
 
 
 def enlarged(frames: dict[str, raysvc.Frame]) -> Bytes:
-    """(H, W, 3) uint8: a part of each frame, and below of what was flagged."""
+    """(H, W, 3) uint8: a part of each frame side by side, and of the mask of what was flagged."""
     mask = (255 * frames["edges"].layers["edge"]).astype(np.uint8)
     pictures = [frames[way].display()[..., :3] for way in WAYS]
     pictures.append(np.repeat(mask[..., None], 3, axis=2))

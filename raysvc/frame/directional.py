@@ -37,7 +37,7 @@ def smooth_edges(draft: Draft, candidates: Candidates) -> None:
     slot = np.full(draft.shape, -1, np.int32)
     slot.reshape(-1)[shapes] = np.arange(len(shapes))
     samples = np.empty((len(shapes), len(offsets), 4), np.float32)
-    part = _part_of_triangle(draft)
+    part = draft.part_of_triangle()
 
     def cover(begin: int, end: int) -> None:
         samples[begin:end] = flat[_alike(draft, part, shapes[begin:end], offsets)]
@@ -54,13 +54,6 @@ def smooth_edges(draft: Draft, candidates: Candidates) -> None:
         beauty[some] = smoothed
 
     for_chunks(len(pixel), SOME, smooth, draft.control)
-
-
-def _part_of_triangle(draft: Draft) -> Ints:
-    """(F,) int32 number of each triangle's object and material."""
-    scene = draft.prepared.scene
-    part = scene.object_of_triangle * len(scene.materials) + scene.material_of_triangle
-    return part.astype(np.int32)
 
 
 def _alike(draft: Draft, part: Ints, pixel: Longs, offsets: Doubles) -> Longs:

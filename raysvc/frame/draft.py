@@ -20,7 +20,7 @@ from raysvc.parallel import Control, map_chunks
 from raysvc.scene import Camera
 from raysvc.tracing.gloss import GlossPicture
 from raysvc.tracing.neighbours import Neighbours
-from raysvc.types import Bools, Floats, Longs
+from raysvc.types import Bools, Floats, Ints, Longs
 
 
 @dataclass(slots=True, eq=False)
@@ -64,6 +64,12 @@ class Draft:
     def shape(self) -> tuple[int, int]:
         """H, W."""
         return self.camera.height, self.camera.width
+
+    def part_of_triangle(self) -> Ints:
+        """(F,) int32 number of the object and material of each triangle of the scene."""
+        scene = self.prepared.scene
+        part = scene.object_of_triangle * len(scene.materials) + scene.material_of_triangle
+        return part.astype(np.int32)
 
     def picture(self, values: NDArray[Any], empty: float) -> NDArray[Any]:
         """Lay out values (N, ...) of the points in front as a picture (H, W, ...)."""

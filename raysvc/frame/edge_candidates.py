@@ -10,6 +10,7 @@ import numpy as np
 
 from raysvc.frame.draft import Draft
 from raysvc.frame.reflections import Reflection, Transmission
+from raysvc.frame.shared_rays import NARROW_PX
 from raysvc.lighting.sun import LUMINANCE
 from raysvc.raster.edge_kernels import UNKNOWN
 from raysvc.raster.edges import shadow_edges, surface_edges, visible_contrast
@@ -19,7 +20,7 @@ LEAST_CONTRAST = 0.08
 """Between neighbours, of black to white: twenty steps of a screen's 255."""
 CLEAR_CONTRAST = 0.1
 """The same for what is seen through glass, whose textures cannot be told from its edges."""
-SHARP_PX = 0.3
+SHARP_PX = NARROW_PX[0]
 """Half width, where they end, of the cones of rays that show edges; those of rougher surfaces are
 wide enough to blur them."""
 
@@ -38,8 +39,7 @@ class Candidates(NamedTuple):
 def edge_candidates(draft: Draft) -> Candidates:
     """Look for edges in what pixels show, in the light that falls on it, in mirrors and glass."""
     layers = draft.layers
-    # Where there is nothing both are -1, and so is what follows from them.
-    part = _part(draft, layers["object"], layers["material"])
+    part = _part(draft, layers["id"])
     contrast = visible_contrast(draft.beauty)
     visible = contrast > LEAST_CONTRAST
     shapes = surface_edges(part, layers["depth"], layers["normal"])
@@ -51,10 +51,10 @@ def edge_candidates(draft: Draft) -> Candidates:
     return Candidates(shapes & visible, shadows & visible, beyond & visible)
 
 
-def _part(draft: Draft, number: Ints, material: Ints) -> Ints:
-    """(H, W) int32 number of objects and their materials (H, W); -1 where both are."""
-    part: Ints = np.maximum(number * len(draft.prepared.scene.materials) + material, -1)
-    return part.astype(np.int32)
+def _part(draft: Draft, triangle: Ints) -> Ints:
+    """(H, W) int32 number of the object and material of triangles (H, W); -1 for none."""
+    part: Ints = np.append(draft.part_of_triangle(), np.int32(-1))[triangle]
+    return part
 
 
 def _light(draft: Draft) -> Floats:
@@ -70,13 +70,7 @@ def _mirrored_edges(draft: Draft) -> Bools:
     reflection = draft.reflection
     if not (reflection.triangle >= 0).any():
         return np.zeros(draft.shape, np.bool_)
-    scene, triangle = draft.prepared.scene, draft.picture(reflection.triangle, -1)
-    met = triangle >= 0
-    part = _part(
-        draft,
-        np.where(met, scene.object_of_triangle[triangle], -1),
-        np.where(met, scene.material_of_triangle[triangle], -1),
-    )
+    part = _part(draft, draft.picture(reflection.triangle, -1))
     return surface_edges(
         np.where(_is_sharp(draft, reflection), part, np.int32(UNKNOWN)),
         draft.picture(reflection.distance, np.inf),

@@ -92,7 +92,7 @@ class Settings(BaseModel):
     aa: Literal["edges", "directional", "full", "none"] = Field(
         "edges",
         description="Extra samples on `edges` only, or on the `full` picture; `directional` "
-        "smooths edges along themselves without any; or `none`.",
+        "smooths edges along themselves and shades none; or `none`.",
     )
     aa_samples: int = Field(
         8, ge=1, le=64, description="Samples per pixel where anti-aliasing applies."
