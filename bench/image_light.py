@@ -21,8 +21,8 @@ from PIL import Image
 from bench.brute_force import outgoing
 from raysvc.builtin import BUILTIN_ENVIRONMENTS
 from raysvc.lighting.image_light import ImageLight
-from raysvc.lighting.sphere_table import SphereTable
-from raysvc.lighting.sun import LUMINANCE, extract_sun
+from raysvc.lighting.sphere_table import sphere_table
+from raysvc.lighting.sun import LUMINANCE, extract_suns
 from raysvc.scene import Environment
 from raysvc.shading.coat import Coat
 from raysvc.shading.glass import Glass
@@ -72,9 +72,9 @@ def errors(maps: dict[str, Floats]) -> None:
     table = np.empty((len(maps), len(SAMPLES), 1 + len(ROUGHNESS)))
     for m, (name, radiance) in enumerate(maps.items()):
         light = ImageLight(Environment(radiance))
-        truth = outgoing(extract_sun(radiance)[1], normal, view, ROUGHNESS, DIELECTRIC_F0)
+        truth = outgoing(extract_suns(radiance)[1], normal, view, ROUGHNESS, DIELECTRIC_F0)
         for s, samples in enumerate(SAMPLES):
-            lobes = [light.diffuse(white(normal, view, 0.0, 0.5), samples)]
+            lobes = [light.diffuse(white(normal, view, 0.0, 0.5))]
             lobes += [light.specular(white(normal, view, 0.0, r), samples) for r in ROUGHNESS]
             for k, lobe in enumerate(lobes):
                 error = np.abs(lobe @ LUMINANCE / (truth[:, k] @ LUMINANCE) - 1)
@@ -93,7 +93,7 @@ def speeds(radiance: Floats) -> None:
     light = ImageLight(Environment(radiance))
     say("| what | time |")
     say("|---|---|")
-    seconds = _best(lambda: SphereTable.of(radiance))
+    seconds = _best(lambda: sphere_table(radiance))
     say(f"| tables of a {radiance.shape[1]} x {radiance.shape[0]} map | {1e3 * seconds:.0f} ms |")
     surface = white(normal, view, 0.0, 0.5)
     points = len(normal)
@@ -112,9 +112,9 @@ def picture(maps: list[Floats], size: int = 128) -> Image.Image:
     rows = []
     for radiance in maps:
         light = ImageLight(Environment(radiance))
-        lobes = [light.diffuse(white(normal, view, 0.0, 0.5), 4)]
+        lobes = [light.diffuse(white(normal, view, 0.0, 0.5))]
         lobes += [light.specular(white(normal, view, 1.0, r), 4) for r in roughness]
-        coarse = extract_sun(radiance)[1]
+        coarse = extract_suns(radiance)[1]
         coarse = coarse.reshape(len(coarse) // 4, 4, -1, 4, 3).mean(axis=(1, 3))
         truth = outgoing(coarse, normal, view, roughness, 1.0, len(coarse))
         truth[:, 0] = outgoing(coarse, normal, view, roughness[:0], DIELECTRIC_F0, len(coarse))[

@@ -23,7 +23,7 @@ from raysvc.accel.report import Query
 from raysvc.errors import InvalidSetting
 from raysvc.frame.render import default_environment
 from raysvc.lighting.direct import arriving
-from raysvc.lighting.sun import SunLight, extract_sun
+from raysvc.lighting.sun import SunLight, extract_suns
 from raysvc.parallel import Control, map_chunks
 from raysvc.scene import Camera, PunctualLight, Scene
 from raysvc.shading.scene_tables import SceneTables
@@ -206,6 +206,5 @@ def _light_of(scene: Scene) -> SunLight | PunctualLight:
     """The scene's first light, or the sun of the built-in sky if it has none."""
     if scene.lights:
         return scene.lights[0]
-    sun, _ = extract_sun(default_environment().radiance)
-    assert sun is not None, "the built-in sky has a sun"
-    return sun
+    suns, _ = extract_suns(default_environment().radiance)
+    return suns[0]

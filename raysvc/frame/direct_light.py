@@ -41,8 +41,7 @@ class DirectLight:
         self._world, self._shadows, self._ledger = prepared.world, shadows, ledger
         self._samples: Doubles = tile_points(seed)
         self._punctual: tuple[PunctualLight, ...] = prepared.scene.lights
-        sun = prepared.light.sun
-        discs = (SunDisc(sun),) if sun is not None else ()
+        discs = [SunDisc(sun) for sun in prepared.light.suns]
         self.areas: tuple[AreaLight, ...] = (*discs, *prepared.lamps.lights)
 
     def of(self, surface: Surface) -> Floats:

@@ -111,9 +111,9 @@ class Illumination:
 
     def lit(self, surface: Surface, footprint: Footprint, direct: Floats, ambient: Ambient) -> Lit:
         """Put together what lights N points: `direct` (N, 3), and what arrives from all around."""
-        light, samples = self._prepared.light, self._settings.ibl_lobe_samples
+        light = self._prepared.light
         sky, bounced = (a * surface.occlusion[:, None] for a in (ambient.sky, ambient.bounced))
-        radiance = surface.emissive + light.diffuse(surface, samples) * sky
+        radiance = surface.emissive + light.diffuse(surface) * sky
         radiance += diffuse_albedo(surface) * bounced
         albedo = light.specular_albedo(surface)
         lobe = self._specular_lobe(surface, albedo)

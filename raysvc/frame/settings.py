@@ -78,11 +78,9 @@ class Settings(BaseModel):
     ibl_order: Literal[1] = Field(
         1, description="How often the table is integrated; 1 gives box filters."
     )
-    ibl_lobe_samples: int = Field(
+    ibl_lobe_samples: Literal[4, 1, 2, 8] = Field(
         4,
-        ge=1,
-        le=64,
-        description="Filtered samples per lobe of the environment; one where it is faint.",
+        description="Filtered samples per specular lobe of the environment; one where it is faint.",
     )
     lens: Literal["spread", "none"] = Field(
         "spread",

@@ -1,25 +1,27 @@
-"""An environment as a light: its sun apart, the rest filtered through summed-area tables."""
+"""An environment as a light: its sun apart, the rest filtered."""
 
 import math
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
 from raysvc.lighting import albedo
+from raysvc.lighting.ggx_lobes import COSINE, ggx_lobes
 from raysvc.lighting.image_kernels import diffuse_light, specular_light
-from raysvc.lighting.lobe_pattern import cosine_pattern, visible_normal_pattern
+from raysvc.lighting.lobe_fit import fitted_lobes
+from raysvc.lighting.lobe_levels import DEGREE, LobeLevels
+from raysvc.lighting.phong_kernels import cone_radiances, phong_radiances
+from raysvc.lighting.phong_lobes import phong_lobes
 from raysvc.lighting.soft_map import soft_map
 from raysvc.lighting.soft_map_kernels import SoftMap
-from raysvc.lighting.sphere_kernels import cone_radiances, map_radiances
-from raysvc.lighting.sphere_table import SphereTable
-from raysvc.lighting.sun import SunLight, extract_sun
+from raysvc.lighting.sphere_kernels import map_radiances
+from raysvc.lighting.sphere_table import sphere_table
+from raysvc.lighting.sun import SunLight, extract_suns
+from raysvc.lighting.zonal import ZonalMap, resampled
 from raysvc.scene import Environment
 from raysvc.shading.surface import Surface
 from raysvc.types import Floats
-
-DIFFUSE_LIFT = 1.07
-SPECULAR_LIFT = 0.92
-"""Height that a lookup's box keeps above the horizon, in halves of the box."""
 
 
 class ImageLight:
@@ -42,11 +44,15 @@ class ImageLight:
         self._turn = (math.cos(yaw), math.sin(yaw))
         self._strength = float(strength)
         self._map = np.ascontiguousarray(environment.radiance)
-        sun, rest = extract_sun(self._map)
-        self._table = SphereTable.of(rest)
+        suns, self.rest = extract_suns(self._map)
+        self._harmonics = ZonalMap.of(resampled(self.rest, 2 * DEGREE), DEGREE)
+        levels = LobeLevels.of(self._harmonics, ggx_lobes())
+        self._sharp = sphere_table(self.rest)
+        self.lobes = (self._sharp, *levels)
+        self._cosine = int(levels.sides[COSINE]), int(levels.firsts[COSINE])
         self._albedo = albedo.albedo_tables()
-        self.sun: SunLight | None = self._placed(sun) if sun else None
-        """The environment's sun in the world, or None; `diffuse` and `specular` are without it."""
+        self.suns: tuple[SunLight, ...] = tuple(self._placed(sun) for sun in suns)
+        """Small lights of the environment in the world; `diffuse` and `specular` are without."""
 
     def _placed(self, sun: SunLight) -> SunLight:
         """Turn a sun out of the map's frame, and scale it."""
@@ -64,6 +70,29 @@ class ImageLight:
         map_radiances(self._map, directions, *self._turn, self._strength, result)
         return result
 
+    @cached_property
+    def _phong(self) -> LobeLevels:
+        """Made when first asked for: surfaces have no need of it."""
+        return LobeLevels.of(self._harmonics, phong_lobes())
+
+    def phong(self, directions: Floats, exponent: float) -> Floats:
+        """Mean radiance (N, 3) float32 of all but the suns under cos^exponent about directions.
+
+        Directions are (N, 3) float32 unit; an exponent is at least 1, for which this is the
+        irradiance over pi.
+        """
+        result = np.empty((len(directions), 3), np.float32)
+        phong_radiances(
+            self._sharp,
+            *self._phong,
+            directions,
+            float(exponent),
+            *self._turn,
+            self._strength,
+            result,
+        )
+        return result
+
     def cone(self, directions: Floats, half_width: Floats) -> Floats:
         """Mean radiance (N, 3) float32 of cones about unit directions (N, 3).
 
@@ -72,8 +101,8 @@ class ImageLight:
         """
         result = np.empty((len(directions), 3), np.float32)
         cone_radiances(
-            self._table.sharp,
-            self._table.soft,
+            self._sharp,
+            *self._phong,
             self._map,
             directions,
             half_width,
@@ -85,17 +114,15 @@ class ImageLight:
 
     def softened(self, solid_angle: float) -> SoftMap:
         """Return all but the sun, for lookups that each stand for `solid_angle` steradians."""
-        return soft_map(self._table, solid_angle, self._turn, self._strength)
+        return soft_map(self._harmonics, solid_angle, self._turn, self._strength)
 
-    def diffuse(self, surface: Surface, samples: int) -> Floats:
-        """Radiance that the diffuse lobe returns of all but the sun, with nothing in the way.
+    def diffuse(self, surface: Surface) -> Floats:
+        """Radiance that the diffuse lobe returns of all but the suns, with nothing in the way.
 
         Parameters
         ----------
         surface
             N points
-        samples
-            lookups per point, at least 1
 
         Returns
         -------
@@ -103,11 +130,9 @@ class ImageLight:
         """
         result = np.empty((surface.size, 3), np.float32)
         diffuse_light(
-            self._table.sharp,
-            self._table.soft,
+            self.lobes[1],
+            *self._cosine,
             self._albedo.diffuse,
-            cosine_pattern(samples),
-            DIFFUSE_LIFT,
             *self._turn,
             self._strength,
             surface,
@@ -118,7 +143,7 @@ class ImageLight:
     def specular(self, surface: Surface, samples: int) -> Floats:
         """Radiance that the specular lobe returns, with nothing in the way.
 
-        It is without the sun, except up to MIRROR_ROUGHNESS: there it is the map itself, sun
+        It is without the suns, except up to MIRROR_ROUGHNESS: there it is the map itself, suns
         included.
 
         Parameters
@@ -126,7 +151,7 @@ class ImageLight:
         surface
             N points
         samples
-            lookups per point, at least 1
+            lookups per point, one of `lobe_fit.LOOKUPS`
 
         Returns
         -------
@@ -134,12 +159,10 @@ class ImageLight:
         """
         result = np.empty((surface.size, 3), np.float32)
         specular_light(
-            self._table.sharp,
-            self._table.soft,
+            *self.lobes,
             self._map,
             self._albedo.specular,
-            visible_normal_pattern(samples),
-            SPECULAR_LIFT,
+            fitted_lobes(samples),
             *self._turn,
             self._strength,
             surface,

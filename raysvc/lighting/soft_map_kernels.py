@@ -1,11 +1,11 @@
-"""Making and reading an environment that has been softened once."""
+"""Reading an environment that has been softened once."""
 
 import math
 from typing import NamedTuple
 
-from raysvc.jit import inlined, kernel
-from raysvc.lighting.sphere_kernels import mean_radiance, turns_of
-from raysvc.types import Doubles, Floats
+from raysvc.jit import inlined
+from raysvc.lighting.sphere_kernels import turns_of
+from raysvc.types import Floats
 
 
 class SoftMap(NamedTuple):
@@ -15,24 +15,6 @@ class SoftMap(NamedTuple):
     """(rows, columns, 3) float32: means over about the same solid angle around each texel."""
     cos_yaw: float
     sin_yaw: float
-
-
-@kernel
-def soften_map(
-    sharp: Doubles, soft: Doubles, solid_angle: float, strength: float, radiance: Floats
-) -> None:
-    """Fill radiance (rows, columns, 3) with means of a `SphereTable` around each texel."""
-    rows, columns = radiance.shape[0], radiance.shape[1]
-    for row in range(rows):
-        polar = (row + 0.5) / rows * math.pi
-        y, sine = math.cos(polar), math.sin(polar)
-        for column in range(columns):
-            azimuth = ((column + 0.5) / columns - 0.5) * 2.0 * math.pi
-            x, z = sine * math.sin(azimuth), -sine * math.cos(azimuth)
-            red, green, blue = mean_radiance(sharp, soft, x, y, z, solid_angle)
-            radiance[row, column, 0] = strength * red
-            radiance[row, column, 1] = strength * green
-            radiance[row, column, 2] = strength * blue
 
 
 @inlined

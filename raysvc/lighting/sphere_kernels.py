@@ -2,25 +2,17 @@
 
 import math
 
+import numpy as np
+
 from raysvc.imaging.sat_kernels import periodic_box_rgb
 from raysvc.jit import inlined, kernel
 from raysvc.types import Doubles, Floats
 
-SHARP_BAND = (0.68, 0.73)
-SOFT_BAND = (0.55, 0.82)
-"""Between these |y| a lookup moves from the cylinder around Y to the one around X. A box's shape
-differs between the two the more, the larger it is."""
+BAND = (0.68, 0.73)
+"""Between these |y| a lookup moves from the cylinder around Y to the one around X."""
 
 MAX_SINE = 0.9
 """Of half the height of the largest box."""
-
-SOFT_LEVELS = 4
-SOFT_SIDE = 0.1
-"""In radians: side of the box with whose variance level 0 is blurred; doubles with each level."""
-SOFT_FROM = 0.12
-"""Side from which boxes read level 0; doubles with each level."""
-LEVEL_BLEND = 0.6
-"""Part of a level's range of solid angles after which it is blended into the next one."""
 
 
 @inlined
@@ -75,95 +67,23 @@ def _cylinder_mean(
 
 
 @inlined
-def _levels_mean(
-    sharp: Doubles,
-    soft: Doubles,
-    cylinder: int,
-    along: float,
-    turn: float,
-    level: int,
-    part: float,
-    solid_angle: float,
-) -> tuple[float, float, float]:
-    """Mean over a box of a level's cylinder (-1 is sharp), blended by `part` into the next level's.
-
-    A level's own blur is part of the box: variances add.
-    """
-    red, green, blue = 0.0, 0.0, 0.0
-    if level < 0:
-        red, green, blue = _cylinder_mean(sharp, cylinder, along, turn, solid_angle)
-    else:
-        side = SOFT_SIDE * (1 << level)
-        rest = max(solid_angle - side * side, 0.25 * solid_angle)
-        red, green, blue = _cylinder_mean(soft, 2 * level + cylinder, along, turn, rest)
-    if part <= 0.0:
-        return red, green, blue
-    side = SOFT_SIDE * (1 << (level + 1))
-    rest = max(solid_angle - side * side, 0.25 * solid_angle)
-    r, g, b = _cylinder_mean(soft, 2 * level + 2 + cylinder, along, turn, rest)
-    red, green, blue = red + (r - red) * part, green + (g - green) * part, blue + (b - blue) * part
-    return red, green, blue
-
-
-@inlined
-def mean_radiance(
-    sharp: Doubles, soft: Doubles, x: float, y: float, z: float, solid_angle: float
+def box_radiance(
+    sharp: Doubles, x: float, y: float, z: float, solid_angle: float
 ) -> tuple[float, float, float]:
     """Mean RGB over about `solid_angle` steradians around the unit direction (x, y, z).
 
-    Boxes have hard edges, which show where a light is much brighter than its surroundings. Large
-    boxes therefore read tables of a softened map, whose blur is 0.4 to 0.8 of their side, and are
-    that much smaller. `sharp` and `soft` are those of `sphere_table.SphereTable`.
+    `sharp` is that of `sphere_table.SphereTable`.
     """
-    level, begin = -1, 0.25 * SOFT_FROM * SOFT_FROM
-    while level < SOFT_LEVELS - 1 and solid_angle >= 4.0 * begin:
-        level, begin = level + 1, 4.0 * begin
-    part = 0.0
-    if level < SOFT_LEVELS - 1:
-        part = (solid_angle / (4.0 * begin) - LEVEL_BLEND) / (1.0 - LEVEL_BLEND)
-
-    band_begin, band_end = SHARP_BAND if level < 0 and part <= 0.0 else SOFT_BAND
+    band_begin, band_end = BAND
     share = min(max((band_end - abs(y)) / (band_end - band_begin), 0.0), 1.0)
     share = share * share * (3.0 - 2.0 * share)
     red, green, blue = 0.0, 0.0, 0.0
     if share > 0.0:
-        red, green, blue = _levels_mean(
-            sharp, soft, 0, y, turns_of(x, -z), level, part, solid_angle
-        )
+        red, green, blue = _cylinder_mean(sharp, 0, y, turns_of(x, -z), solid_angle)
     if share < 1.0:
-        r, g, b = _levels_mean(sharp, soft, 1, x, turns_of(y, -z), level, part, solid_angle)
+        r, g, b = _cylinder_mean(sharp, 1, x, turns_of(y, -z), solid_angle)
         red, green, blue = r + (red - r) * share, g + (green - g) * share, b + (blue - b) * share
     return red, green, blue
-
-
-@kernel
-def soften(sharp: Doubles, solid_angle: float, images: Doubles) -> None:
-    """Write box means of `sharp` (2, H+1, W+1, 3) to `images` (2, rows, columns, 3).
-
-    One image for each cylinder, at its texels' centres.
-    """
-    rows, columns = images.shape[1], images.shape[2]
-    for i in range(rows):
-        along = 1.0 - 2.0 * (i + 0.5) / rows
-        radius = math.sqrt(1.0 - along * along)
-        for j in range(columns):
-            turn = (j + 0.5) / columns - 0.5
-            across = radius * math.sin(2.0 * math.pi * turn)
-            ahead = radius * math.cos(2.0 * math.pi * turn)
-            begin, end = SOFT_BAND
-            for k in range(2):
-                # The other cylinder's axis lies across this one's
-                y = along if k == 0 else across
-                share = min(max((end - abs(y)) / (end - begin), 0.0), 1.0)
-                share = share * share * (3.0 - 2.0 * share)
-                if k == 1:
-                    share = 1.0 - share
-                other = turns_of(along, ahead)
-                r, g, b = _cylinder_mean(sharp, k, along, turn, solid_angle)
-                red, green, blue = _cylinder_mean(sharp, 1 - k, across, other, solid_angle)
-                images[k, i, j, 0] = red + (r - red) * share
-                images[k, i, j, 1] = green + (g - green) * share
-                images[k, i, j, 2] = blue + (b - blue) * share
 
 
 @inlined
@@ -228,41 +148,6 @@ def map_radiances(
         result[i, 2] = blue * strength
 
 
-MIRROR_HALF_WIDTH = 2.5e-3
-"""Radians: the lobe of a mirror is 2 MIN_ALPHA wide, and a texel of a map hardly less."""
-MAX_CONE = 3.5
-"""Of a mean, in steradians."""
-
-
-@kernel
-def cone_radiances(
-    sharp: Doubles,
-    soft: Doubles,
-    radiance: Floats,
-    directions: Floats,
-    half_width: Floats,
-    cos_yaw: float,
-    sin_yaw: float,
-    strength: float,
-    result: Floats,
-) -> None:
-    """Write the turned map's mean RGB to `result` (N, 3): over cones of half_width (N,) radians.
-
-    Narrow ones read the map (H, W, 3) itself, others the tables.
-    """
-    for i in range(len(directions)):
-        dx, y, dz = float(directions[i, 0]), float(directions[i, 1]), float(directions[i, 2])
-        x, z = cos_yaw * dx - sin_yaw * dz, sin_yaw * dx + cos_yaw * dz
-        if half_width[i] <= MIRROR_HALF_WIDTH:
-            red, green, blue = map_radiance(radiance, x, y, z)
-        else:
-            angle = min(math.pi * half_width[i] * half_width[i], MAX_CONE)
-            red, green, blue = mean_radiance(sharp, soft, x, y, z, angle)
-        result[i, 0] = red * strength
-        result[i, 1] = green * strength
-        result[i, 2] = blue * strength
-
-
 @kernel
 def spread_to_x_cylinder(radiance: Floats, detail: int, shared: Doubles) -> None:
     """Add the light of a lat-long map (H, W, 3) to `shared` (rows, columns, RGB + solid angle).
@@ -272,6 +157,8 @@ def spread_to_x_cylinder(radiance: Floats, detail: int, shared: Doubles) -> None
     """
     height, width = radiance.shape[0], radiance.shape[1]
     rows, columns = shared.shape[0], shared.shape[1]
+    last = 0
+    sines, cosines = np.empty(0), np.empty(0)
     for part_row in range(height * detail):
         i = part_row // detail
         polar = (part_row + 0.5) / (height * detail) * math.pi
@@ -281,19 +168,23 @@ def spread_to_x_cylinder(radiance: Floats, detail: int, shared: Doubles) -> None
         # As many parts across as make them about square
         parts = max(math.ceil(sine * 2.0 * detail * height / width), 1)
         part_angle = band * 2.0 * math.pi / (width * parts)
+        if parts != last:
+            azimuths = ((np.arange(width * parts) + 0.5) / (width * parts) - 0.5) * 2.0 * math.pi
+            sines, cosines, last = np.sin(azimuths), np.cos(azimuths), parts
         for part_column in range(width * parts):
             j = part_column // parts
-            azimuth = ((part_column + 0.5) / (width * parts) - 0.5) * 2.0 * math.pi
-            x, ahead = sine * math.sin(azimuth), sine * math.cos(azimuth)
+            x, ahead = sine * sines[part_column], sine * cosines[part_column]
             row = (0.5 - 0.5 * x) * rows - 0.5
-            column = (math.atan2(cosine, ahead) / (2.0 * math.pi) + 0.5) * columns - 0.5
+            column = (turns_of(cosine, ahead) + 0.5) * columns - 0.5
             below, right = math.floor(row), math.floor(column)
             v, u = row - below, column - right
+            upper, lower = max(int(below), 0), min(int(below) + 1, rows - 1)
+            left = int(right) if right >= 0 else columns - 1
+            other = left + 1 if left + 1 < columns else 0
             for k in range(4):
-                down, along = k // 2, k % 2
-                r = min(max(int(below) + down, 0), rows - 1)
-                c = (int(right) + along) % columns
-                share = part_angle * (v if down == 1 else 1.0 - v) * (u if along == 1 else 1.0 - u)
+                r = lower if k >= 2 else upper
+                c = other if k % 2 == 1 else left
+                share = part_angle * (v if k >= 2 else 1.0 - v) * (u if k % 2 == 1 else 1.0 - u)
                 shared[r, c, 0] += share * radiance[i, j, 0]
                 shared[r, c, 1] += share * radiance[i, j, 1]
                 shared[r, c, 2] += share * radiance[i, j, 2]

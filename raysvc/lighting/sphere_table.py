@@ -2,75 +2,47 @@
 
 On Lambert's cylinder (azimuth across, the axis' coordinate down) every texel covers the same solid
 angle, so the table needs no weights and a box needs no sine or arc cosine. Near its axis a
-cylinder's boxes are slivers; there the other cylinder takes over, through a band in which the two
-are blended: none is used nearer than 35 degrees to its axis. Neither seam nor pole is special.
+cylinder's boxes are slivers; there the other cylinder takes over, through a narrow band in which
+the two are blended: none is used nearer than 43 degrees to its axis. Neither seam nor pole is
+special.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from raysvc.imaging.sat import summed_area_table
 from raysvc.lighting.lat_long import texel_solid_angles
-from raysvc.lighting.sphere_kernels import (
-    SOFT_LEVELS,
-    SOFT_SIDE,
-    soften,
-    spread_to_x_cylinder,
-)
+from raysvc.lighting.sphere_kernels import spread_to_x_cylinder
 from raysvc.types import Doubles, Floats
 
 MAX_COLUMNS = 2048
-"""Texels around a sharp cylinder: finer than half of the narrowest lobe that is filtered."""
-SOFT_COLUMNS = 256
+"""Texels around a cylinder: finer than half of the narrowest lobe that is filtered."""
+MIN_COLUMNS = 64
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SphereTable:
-    """Read-only tables for `sphere_kernels.mean_radiance`, as `summed_area_table` makes them.
+def sphere_table(radiance: Floats) -> Doubles:
+    """Tables of a lat-long map (H, W, 3) for `sphere_kernels.box_radiance`.
 
-    All are (H+1, W+1, 3) float64 over an image whose texels have the same solid angle. Row 0 is at
-    +axis; the centre column is what is seen along -Z; to its right is +X around Y, and +Y around X.
+    The one around Y holds exactly the light of the map; the other one is resampled, the light
+    of every texel shared out over the texels that it meets.
+    Constant maps give constant tables.
+
+    Returns
+    -------
+    (2, rows+1, columns+1, 3) float64, read-only, as `summed_area_table` makes them, over images
+    whose texels have the same solid angle. Row 0 is at +axis; the centre column is what is seen
+    along -Z; to its right is +X around Y, and +Y around X.
     """
-
-    sharp: Doubles
-    """(2, H+1, W+1, 3): the map on the cylinder around Y, and on that around X."""
-    soft: Doubles
-    """(2 SOFT_LEVELS, 129, 257, 3): both cylinders of a blurred map, for each level."""
-
-    @staticmethod
-    def of(radiance: Floats) -> "SphereTable":
-        """Build the tables of a lat-long map (H, W, 3) float32 as `Environment` holds it.
-
-        The one around Y holds exactly the light of the map; the other one is resampled, the light
-        of every texel shared out over the texels that it meets. Constant maps give constant tables.
-        """
-        height, width, _ = radiance.shape
-        columns = min(max(width, 64), MAX_COLUMNS)
-        rows = max(columns // 2, 32)
-        shared = np.zeros((rows, columns, 4))
-        detail = 2 if height >= rows else math.ceil(2 * rows / height)
-        spread_to_x_cylinder(radiance, detail, shared)
-        sharp = np.stack(
-            [
-                _resampled_to_y_cylinder(radiance, rows, columns),
-                summed_area_table(_radiance_of_shares(shared)),
-            ]
-        )
-        soft = np.concatenate([_softened(sharp, SOFT_SIDE * 2.0**k) for k in range(SOFT_LEVELS)])
-        for tables in (sharp, soft):
-            tables.setflags(write=False)
-        return SphereTable(sharp, soft)
-
-
-def _softened(sharp: Doubles, side: float) -> Doubles:
-    """Tables (2, 129, 257, 3) of the map under two boxes that together blur like one of `side`."""
-    images = np.empty((2, SOFT_COLUMNS // 2, SOFT_COLUMNS, 3))
-    tables = sharp
-    for _ in range(2):
-        soften(tables, 0.5 * side * side, images)
-        tables = np.stack([summed_area_table(image) for image in images])
+    columns = min(max(radiance.shape[1], MIN_COLUMNS), MAX_COLUMNS)
+    rows = columns // 2
+    shared = np.zeros((rows, columns, 4))
+    height = len(radiance)
+    detail = 2 if height >= rows else math.ceil(2 * rows / height)
+    spread_to_x_cylinder(radiance, detail, shared)
+    around_y = _resampled_to_y_cylinder(radiance, rows, columns)
+    tables = np.stack([around_y, summed_area_table(_radiance_of_shares(shared))])
+    tables.setflags(write=False)
     return tables
 
 

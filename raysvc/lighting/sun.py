@@ -1,8 +1,8 @@
-"""A sun, taken out of an environment so that it can cast shadows and need not be filtered.
+"""Suns: small lights, taken out of an environment to cast shadows and need no filtering.
 
 A few texels with most of the light spoil every filtered lookup near them, and no number of lobe
-samples finds them; as a light with a direction they are exact (reference: Debevec 2005, median cut,
-in the degenerate case of one light).
+samples finds them; as lights with a direction they are exact (reference: Debevec 2005, median cut,
+in the degenerate case of few lights).
 """
 
 import math
@@ -12,7 +12,7 @@ import numpy as np
 
 from raysvc.lighting.lat_long import texel_directions, texel_solid_angles
 from raysvc.scene.light import Vector
-from raysvc.types import Doubles, Floats
+from raysvc.types import Bools, Doubles, Floats, Longs
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Of linear Rec.709."""
@@ -24,6 +24,10 @@ PART_OF_PEAK = 0.05
 MAX_EXTENT_RAD = math.radians(6.0)
 """Larger lights are softboxes and windows: they stay in the map."""
 SEARCH_RAD = math.radians(8.0)
+MOST = 4
+"""Suns of a map: each costs shadow rays."""
+TRIES = 16
+"""Peaks that are looked at; those of larger lights are passed over."""
 MIN_SHARE = 0.01
 """Of the map's light; less is not worth shadow rays."""
 
@@ -39,8 +43,8 @@ class SunLight:
     angular_radius_rad: float
 
 
-def extract_sun(radiance: Floats) -> tuple[SunLight | None, Floats]:
-    """Find the sun of a lat-long map and take it out.
+def extract_suns(radiance: Floats) -> tuple[tuple[SunLight, ...], Floats]:
+    """Find the small lights of a lat-long map and take them out.
 
     Parameters
     ----------
@@ -49,38 +53,75 @@ def extract_sun(radiance: Floats) -> tuple[SunLight | None, Floats]:
 
     Returns
     -------
-    sun
-        in the map's own frame, or None if no small region dominates
+    suns
+        in the map's own frame, the one with the highest peak first; none if no small region stands
+        out
     rest
-        (H, W, 3) float32: the map with the sun's disc filled by the mean of its surroundings. Sun
-        and rest together light a surface that faces the sun as the map did. The same array if there
-        is no sun.
+        (H, W, 3) float32: the map with the suns' discs filled by the mean of their surroundings.
+        Suns and rest together light a surface that faces a sun as the map did. The same array if
+        there is no sun.
     """
-    height, width, _ = radiance.shape
-    per_row = texel_solid_angles(height, width)
-    luminance = radiance @ LUMINANCE.astype(np.float32)
-    light = float(luminance.sum(axis=1, dtype=np.float64) @ per_row)
-    peak = float(luminance.max())
-    if peak * 4.0 * math.pi < MIN_PEAK_OVER_MEAN * light or light == 0.0:
-        return None, radiance
+    light = float(_luminances(radiance).sum(axis=1, dtype=np.float64) @ _per_row(radiance))
+    suns: list[SunLight] = []
+    rest, passed = radiance, np.zeros(radiance.shape[:2], bool)
+    for _ in range(TRIES):
+        if len(suns) == MOST:
+            break
+        luminance = np.where(passed, np.float32(0.0), _luminances(rest))
+        left = float(luminance.sum(axis=1, dtype=np.float64) @ _per_row(rest))
+        peak = float(luminance.max())
+        if peak * 4.0 * math.pi < MIN_PEAK_OVER_MEAN * left or left == 0.0:
+            break
+        found = _bright_region(luminance, peak)
+        small = found.extent <= MAX_EXTENT_RAD and not _touches(passed, found)
+        passed[found.rows, found.columns] = True
+        if small and found.flux >= MIN_SHARE * light:
+            sun, rest = _taken_out(rest, found)
+            suns.append(sun)
+    return tuple(suns), rest
 
-    # Bright texels near the peak, their centre and extent
+
+@dataclass(frozen=True, slots=True)
+class _Region:
+    """Bright texels around a peak."""
+
+    towards: Doubles
+    extent: float
+    """Radians from there to the farthest of them."""
+    flux: float
+    rows: Longs
+    columns: Longs
+
+
+def _bright_region(luminance: Floats, peak: float) -> _Region:
+    """Texels near a map's peak of more than PART_OF_PEAK of it."""
+    height, width = luminance.shape
     row, column = np.unravel_index(int(luminance.argmax()), luminance.shape)
     towards = texel_directions(int(row) + 0.5, int(column) + 0.5, height, width)
     rows, columns, directions = _texels_within(towards, SEARCH_RAD, height, width)
     bright = luminance[rows, columns] > PART_OF_PEAK * peak
-    flux = (luminance[rows, columns] * per_row[rows])[bright]
+    flux = (luminance[rows, columns] * texel_solid_angles(height, width)[rows])[bright]
     towards = flux @ directions[bright]
     towards /= np.linalg.norm(towards)
     extent = float(np.arccos(np.clip(directions[bright] @ towards, -1.0, 1.0)).max())
-    if extent > MAX_EXTENT_RAD or flux.sum() < MIN_SHARE * light:
-        return None, radiance
+    return _Region(towards, extent, float(flux.sum()), rows[bright], columns[bright])
 
-    # Split the disc around them into its surroundings' radiance and an excess, the sun
-    texel = math.pi / height
-    border = extent + 1.5 * texel
-    rows, columns, directions = _texels_within(towards, border + 2.0 * texel, height, width)
-    angles = np.arccos(np.clip(directions @ towards, -1.0, 1.0))
+
+def _touches(passed: Bools, region: _Region) -> bool:
+    """Is any texel next to a region one that was looked at, in a larger light or a sun?"""
+    height, width = passed.shape
+    rows = np.clip(region.rows[:, None] + np.array([-1, 0, 1, 0, 0]), 0, height - 1)
+    columns = (region.columns[:, None] + np.array([0, -1, 0, 1, 0])) % width
+    return bool(passed[rows, columns].any())
+
+
+def _taken_out(radiance: Floats, region: _Region) -> tuple[SunLight, Floats]:
+    """Split a disc around a region into its surroundings' radiance and an excess, the sun."""
+    height, width, _ = radiance.shape
+    per_row, texel = _per_row(radiance), math.pi / height
+    border = region.extent + 1.5 * texel
+    rows, columns, directions = _texels_within(region.towards, border + 2.0 * texel, height, width)
+    angles = np.arccos(np.clip(directions @ region.towards, -1.0, 1.0))
     inside = angles <= border
     pixels = radiance[rows, columns].astype(np.float64)
     weights = per_row[rows]
@@ -95,14 +136,23 @@ def extract_sun(radiance: Floats) -> tuple[SunLight | None, Floats]:
     # A uniform disc has mean squared radius r^2 / 2; a texel's own size counts
     brightness = np.maximum((pixels[inside] - around) @ LUMINANCE, 0.0) * weights[inside]
     spread = float(brightness @ angles[inside] ** 2 / brightness.sum()) + texel * texel / 6.0
-    x, y, z = (float(v) for v in towards)
+    x, y, z = (float(v) for v in region.towards)
     red, green, blue = (float(v) for v in irradiance)
     return SunLight((x, y, z), (red, green, blue), math.sqrt(2.0 * spread)), rest
 
 
+def _luminances(radiance: Floats) -> Floats:
+    luminances: Floats = radiance @ LUMINANCE.astype(np.float32)
+    return luminances
+
+
+def _per_row(radiance: Floats) -> Doubles:
+    return texel_solid_angles(radiance.shape[0], radiance.shape[1])
+
+
 def _texels_within(
     towards: Doubles, radius: float, height: int, width: int
-) -> tuple[np.ndarray, np.ndarray, Doubles]:
+) -> tuple[Longs, Longs, Doubles]:
     """Rows, columns and directions (K, 3) of texels within `radius` of a direction."""
     polar = math.acos(min(max(float(towards[1]), -1.0), 1.0))
     first = max(int((polar - radius) / math.pi * height), 0)

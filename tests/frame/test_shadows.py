@@ -39,7 +39,7 @@ def sun_of(radius_deg, monkeypatch):
 
     def with_sun(*arguments):
         prepared = prepare(*arguments)
-        prepared.light.sun = sun
+        prepared.light.suns = (sun,)
         return prepared
 
     monkeypatch.setattr("raysvc.frame.render.prepare", with_sun)
@@ -228,4 +228,4 @@ def test_lamps_and_suns_are_the_same_with_any_number_of_threads() -> None:
 
 
 def test_a_black_environment_has_no_sun() -> None:
-    assert prepare(half_lid(), Environment(np.zeros((4, 8, 3), "f4")), Settings()).light.sun is None
+    assert not prepare(half_lid(), Environment(np.zeros((4, 8, 3), "f4")), Settings()).light.suns

@@ -69,7 +69,7 @@ def test_varnish_under_constant_light_is_the_integral_of_the_formula(base, nov):
     normal, view = np.array([[0, 0, 1.0]]), np.array([[np.sqrt(1 - nov**2), 0, nov]])
     surface = varnished(normal, view, base, (0.8, 0.4))
     light = ImageLight(Environment(np.ones((16, 32, 3), np.float32)))
-    got = light.diffuse(surface, 4) + light.specular(surface, 4)
+    got = light.diffuse(surface) + light.specular(surface, 4)
     varnish = Varnish.of(surface)
     varnish.laid_over(got, light.specular(varnish.surface, 4))
     directions, angles = map_directions(400, 800)

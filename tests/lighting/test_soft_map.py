@@ -57,7 +57,7 @@ def blob(towards, sharpness, height=128):
 @pytest.mark.parametrize("wide", [0.1, 0.5])
 def test_a_wide_lookup_is_about_a_mean_over_its_cone(towards, wide):
     light = blob(towards, 20)
-    assert light.sun is None
+    assert not light.suns
     # Mean of exp(k (c - 1)) over a cone of solid angle w, for which 1 - c is at most w / 2 pi.
     depth = 20 * wide / (2 * np.pi)
     mean = (1 - np.exp(-depth)) / depth

@@ -1,0 +1,56 @@
+"""An environment under round lobes, from narrow to wide ones.
+
+What a rough surface shows of a map has no fine detail. So the map is cut off at a degree of the
+spherical harmonics, filtered there exactly, and kept as small octahedral images, one per width, a
+factor of the square root of two apart.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from raysvc.lighting.lobe_level_kernels import unfold
+from raysvc.lighting.zonal import ZonalMap
+from raysvc.types import Doubles, Floats, Ints
+
+DEGREE = 128
+"""Of the maps and of the narrowest lobes."""
+FINE = (256, DEGREE)
+COARSE = (96, 48)
+"""Rows of the lat-long maps that levels are taken from, and their degree."""
+NEGLIGIBLE = 3e-3
+"""Coefficients of further degrees do not show."""
+
+
+class LobeFamily(NamedTuple):
+    """Round lobes, each twice the solid angle of the one before it."""
+
+    zonal: tuple[Doubles, ...]
+    """Coefficients of each lobe, (DEGREE + 1,)."""
+    sides: tuple[int, ...]
+    """Texels of each level's image: their size is about a fifth of the lobe's width."""
+
+
+class LobeLevels(NamedTuple):
+    """Read-only arrays for `lobe_level_kernels.level_radiance`."""
+
+    texels: Floats
+    """(rows, columns, 3): the levels' octahedral images with borders below each other."""
+    sides: Ints
+    """(levels,) texels of each image without its border."""
+    firsts: Ints
+    """(levels,) first row of each image."""
+
+    @staticmethod
+    def of(harmonics: ZonalMap, family: LobeFamily) -> "LobeLevels":
+        """Filter a map by all lobes of a family."""
+        sides = np.array(family.sides, np.int32)
+        firsts = np.concatenate([[0], np.cumsum(sides + 2)[:-1]]).astype(np.int32)
+        texels = np.zeros((int((sides + 2).sum()), int(sides.max()) + 2, 3), np.float32)
+        for k, zonal in enumerate(family.zonal):
+            coarse = bool((np.abs(zonal[COARSE[1] :]) < NEGLIGIBLE).all())
+            rows, degree = COARSE if coarse else FINE
+            image = harmonics.filtered(zonal[: degree + 1], rows, 2 * rows)
+            unfold(image.astype(np.float32), int(sides[k]), int(firsts[k]), texels)
+        texels.setflags(write=False)
+        return LobeLevels(texels, sides, firsts)

@@ -1,0 +1,132 @@
+"""Maps of the sphere without fine detail, filtered by kernels that are round.
+
+A kernel that depends on the angle alone is one number per degree of the spherical harmonics (Funk
+and Hecke): filtering multiplies by it. Nothing of this knows poles, seams or directions. The
+harmonics are those of the quantum mechanics books, orthonormal over the sphere, with +Y as axis
+and the azimuth of `lat_long`; the transform is a Fourier transform along each row and a sum over
+rows for each order (Driscoll and Healy 1994, without their fast Legendre transform).
+"""
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from raysvc.lighting.lat_long import texel_solid_angles
+from raysvc.types import Doubles, Floats
+
+POINTS = 8192
+"""At which kernels are summed."""
+
+Complexes = npt.NDArray[np.complex128]
+
+
+class ZonalMap:
+    """Harmonics of a map up to a degree."""
+
+    def __init__(self, mean: Doubles, orders: list[Complexes]) -> None:
+        self._mean, self._orders = mean, orders
+
+    @property
+    def degree(self) -> int:
+        """Highest degree."""
+        return len(self._orders) - 1
+
+    @staticmethod
+    def of(radiance: Floats | Doubles, degree: int) -> "ZonalMap":
+        """Analyse a lat-long map (H, W, 3) of at least degree + 1 rows and 2 degree + 1 columns."""
+        height, width, _ = radiance.shape
+        angles = texel_solid_angles(height, width)[:, None, None]
+        # The mean apart, or the sum over rows would leave ripples in constant maps
+        mean = (radiance * angles).sum(axis=(0, 1)) / (4.0 * math.pi)
+        across = np.fft.rfft(radiance - mean, axis=1) * angles
+        # Texels are seen from their centres, half a column to the right of the transform's
+        order = np.arange(degree + 1)
+        across = across[:, : degree + 1] * np.exp(-1j * math.pi / width * order)[None, :, None]
+        rows = legendre_rows(degree, height)
+        return ZonalMap(mean, [rows[m] @ across[:, m] for m in order])
+
+    def filtered(self, zonal: Doubles, height: int, width: int) -> Doubles:
+        """Lat-long map (height, width, 3) of this one under a kernel.
+
+        zonal holds the kernel's coefficients as `zonal_coefficients` gives them, for degrees from 0
+        on; harmonics of further degrees are left out.
+        """
+        degree = min(len(zonal) - 1, self.degree, width // 2)
+        rows = legendre_rows(self.degree, height)
+        across = np.zeros((height, width // 2 + 1, 3), np.complex128)
+        for m in range(degree + 1):
+            kept = slice(0, degree + 1 - m)
+            across[:, m] = rows[m][kept].T @ (self._orders[m][kept] * zonal[m : degree + 1, None])
+        order = np.arange(width // 2 + 1)
+        across *= np.exp(1j * math.pi / width * order)[None, :, None]
+        result: Doubles = np.fft.irfft(across, n=width, axis=1) * width + self._mean
+        return result
+
+
+@lru_cache(maxsize=8)
+def legendre_rows(degree: int, height: int) -> list[Doubles]:
+    """Associated Legendre functions at the centres of a lat-long map's rows.
+
+    One array (degree + 1 - m, height) for each order m, orthonormal with the azimuth's factor.
+    Computed by the three-term recurrence in the degree, which is stable (Press et al., Numerical
+    Recipes, 6.7).
+    """
+    polar = (np.arange(height) + 0.5) * (math.pi / height)
+    cosine, sine = np.cos(polar), np.sin(polar)
+    diagonal = np.full(height, math.sqrt(0.25 / math.pi))
+    orders = []
+    for m in range(degree + 1):
+        if m > 0:
+            diagonal = diagonal * sine * -math.sqrt((2 * m + 1) / (2 * m))
+        rows = np.empty((degree + 1 - m, height))
+        rows[0] = diagonal
+        if m < degree:
+            rows[1] = cosine * math.sqrt(2 * m + 3) * diagonal
+        for n in range(m + 2, degree + 1):
+            scale = math.sqrt((4 * n * n - 1) / (n * n - m * m))
+            last = math.sqrt(((n - 1) ** 2 - m * m) / (4 * (n - 1) ** 2 - 1))
+            rows[n - m] = scale * (cosine * rows[n - m - 1] - last * rows[n - m - 2])
+        rows.setflags(write=False)
+        orders.append(rows)
+    return orders
+
+
+def zonal_coefficients(kernel: Callable[[Doubles], Doubles], degree: int) -> Doubles:
+    """Coefficients (degree + 1,) of a kernel that is scaled to leave constant maps as they are.
+
+    kernel gives values (K,), in any unit, for cosines (K,) of the angle from its middle.
+    """
+    # Midpoints are dense towards the middle of narrow kernels, where 1 - cosine goes as t^4
+    t = (np.arange(POINTS) + 0.5) / POINTS
+    cosines = 1.0 - 2.0 * t**4
+    values = kernel(cosines) * t**3
+    values /= values.sum()
+    below, here = np.ones_like(cosines), cosines
+    result = np.empty(degree + 1)
+    result[0] = 1.0
+    for n in range(1, degree + 1):
+        result[n] = values @ here
+        below, here = here, ((2 * n + 1) * cosines * here - n * below) / (n + 1)
+    return result
+
+
+def resampled(radiance: Floats, rows: int) -> Doubles:
+    """The light of a lat-long map (H, W, 3) on about as many rows as asked, at least half of them.
+
+    Texels are cut into equal parts or put together; their light is kept.
+    """
+    height, width, _ = radiance.shape
+    parts = math.ceil(rows / height) if height < rows else 1
+    fine: Doubles = radiance.astype(np.float64).repeat(parts, axis=0).repeat(parts, axis=1)
+    whole = max(height // rows, 1)
+    while height % whole or width % whole:
+        whole -= 1
+    if whole == 1:
+        return fine
+    angles = texel_solid_angles(height, width).reshape(-1, whole, 1, 1)
+    light = fine.reshape(height // whole, whole, width // whole, whole, 3).sum(axis=3) * angles
+    result: Doubles = light.sum(axis=1) / (whole * angles.sum(axis=1))
+    return result
