@@ -1,8 +1,8 @@
 """Four ways to make the same summed-area table, which differ in passes over memory.
 
-All write only what is their own from several threads, cut the work in ways that do not depend on
-how many there are, and so give the same bits with any number of threads. Images on a fixed-point
-grid, whose sums double precision holds exactly, give the same bits with every builder.
+All write only what is their own from several threads, and make the same additions in the same order
+with any number of them, and so the same bits. Images on a fixed-point grid, whose sums double
+precision holds exactly, give the same bits with every builder.
 """
 
 from collections.abc import Callable, Mapping
