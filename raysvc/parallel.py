@@ -122,6 +122,38 @@ def for_chunks(
             future.result()
 
 
+def for_waves(
+    lanes: int, steps: int, work: Callable[[int, int], None], control: Control, stage: str = ""
+) -> None:
+    """Call `work(lane, step)` after both (lane - 1, step) and (lane, step - 1) have ended.
+
+    A lane's steps run on one thread, one after the other; a lane follows the one before it as
+    closely as it can, as the right half of a picture's rows follows the left one. The first
+    exception stops the rest and is raised.
+    """
+    ended = [threading.Semaphore(0) for _ in range(lanes)]
+    broken = threading.Event()
+
+    # Lanes begin in their order, so that one that waits never waits for one that has no thread.
+    def run(lane: int, _: int) -> None:
+        try:
+            for step in range(steps):
+                if lane:
+                    ended[lane - 1].acquire()
+                if broken.is_set():
+                    break
+                control.check()
+                work(lane, step)
+                ended[lane].release()
+        except BaseException:
+            broken.set()
+            raise
+        finally:
+            ended[lane].release(steps)
+
+    for_chunks(lanes, 1, run, control, stage)
+
+
 Result = TypeVar("Result")
 
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from raysvc.errors import Cancelled, DeadlineExceeded
-from raysvc.parallel import Control, available_threads, for_chunks, map_chunks
+from raysvc.parallel import Control, available_threads, for_chunks, for_waves, map_chunks
 
 
 @settings(deadline=None, max_examples=60)
@@ -165,3 +165,43 @@ def test_a_quiet_control_says_nothing_and_still_stops():
     control.cancel()
     with pytest.raises(Cancelled):
         control.quiet().check()
+
+
+@pytest.mark.parametrize("threads", [1, 2, 5])
+def test_a_wave_comes_after_the_one_before_it_and_after_its_own_last_step(threads):
+    ended = np.zeros((4, 7), bool)
+
+    def work(lane, step):
+        assert not ended[lane, step]
+        assert lane == 0 or ended[lane - 1, step]
+        assert step == 0 or ended[lane, step - 1]
+        time.sleep(0.001 * ((3 * lane + step) % 3))
+        ended[lane, step] = True
+
+    for_waves(4, 7, work, Control(threads=threads))
+    assert ended.all()
+
+
+def test_waves_of_two_lanes_run_at_once():
+    together = threading.Barrier(2, timeout=5)
+
+    def work(lane, step):
+        if (lane, step) in ((0, 1), (1, 0)):
+            together.wait()
+
+    for_waves(2, 3, work, Control(threads=2))
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("bad", [0, 1, 2])
+def test_an_error_in_a_wave_stops_the_lanes_that_wait_for_it(threads, bad):
+    done = []
+
+    def work(lane, step):
+        if (lane, step) == (bad, 1):
+            raise ValueError("broken")
+        done.append((lane, step))
+
+    with pytest.raises(ValueError, match="broken"):
+        for_waves(3, 50, work, Control(threads=threads))
+    assert all(step <= 1 for lane, step in done if lane >= bad)

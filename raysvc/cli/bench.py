@@ -9,9 +9,10 @@ import typer
 
 from raysvc.cli.arguments import camera_mapping, output_format, settings_mapping, writable
 from raysvc.cli.progress import progress_bar
-from raysvc.cli.tables import bench_table, frame_tables, show
+from raysvc.cli.tables import bench_table, frame_tables, sat_tables, show
 from raysvc.compare.benchmark import bench_structures
 from raysvc.compare.frame_scaling import SERIES, bench_frame
+from raysvc.compare.sat_benchmark import SIZE, bench_sat
 from raysvc.frame.settings import checked, settings_from
 from raysvc.frame.view import View
 from raysvc.loading import load_scene
@@ -90,6 +91,25 @@ def frame(
         drawn = frame_chart(measured, output_format(chart, "--chart", ("svg", "png")))
         chart.write_bytes(drawn)
     for each in frame_tables(measured["results"]):
+        show(each)
+
+
+@bench.command()
+def sat(
+    output: Output = None,
+    size: Annotated[
+        str, typer.Option("--size", help="WIDTHxHEIGHT of the map in texels.")
+    ] = f"{SIZE[0]}x{SIZE[1]}",
+    rounds: Rounds = 5,
+) -> None:
+    """Measure how fast summed-area tables are built, against a copy, and read."""
+    _check(output)
+    texels = camera_mapping(None, size)
+    with progress_bar("bench sat") as report:
+        control = Control(on_progress=report)
+        measured = bench_sat(texels["width"], texels["height"], rounds, control=control)
+    _write(output, measured)
+    for each in sat_tables(measured["results"]):
         show(each)
 
 

@@ -63,15 +63,29 @@ def comparison_table(comparison: Comparison) -> Table:
     return table
 
 
-def bench_table(results: Sequence[Mapping[str, Any]]) -> Table:
+def bench_table(results: Sequence[Mapping[str, Any]], digits: int = 3) -> Table:
     """A row for each result of a benchmark, a column for each of its names."""
     columns = list(results[0])
     rows = [
-        [_number(value, 3) if isinstance(value, float) else value for value in result.values()]
+        [_number(value, digits) if isinstance(value, float) else value for value in result.values()]
         for result in results
     ]
     numbers = [place for place, name in enumerate(columns) if isinstance(results[0][name], float)]
     return plain_table(columns, rows, numbers)
+
+
+def sat_tables(results: Sequence[Mapping[str, Any]]) -> list[Table]:
+    """A table for each kind of result of summed-area tables, by what was measured."""
+    groups: dict[str, list[Mapping[str, Any]]] = {}
+    for result in results:
+        shown = {name: value for name, value in result.items() if name != "measured"}
+        groups.setdefault(result["measured"], []).append(shown)
+    tables = []
+    for measured, group in groups.items():
+        table = bench_table(group, digits=4)
+        table.title = measured
+        tables.append(table)
+    return tables
 
 
 def difference_table(compared: Mapping[str, Any]) -> Table:

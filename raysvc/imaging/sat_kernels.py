@@ -1,26 +1,11 @@
-"""Loops of summed-area tables (Crow 1984)."""
+"""Lookups in summed-area tables (Crow 1984)."""
 
 from raysvc.jit import inlined, kernel
 from raysvc.types import Doubles, Floats
 
 
-@kernel
-def accumulate(image: Floats | Doubles, table: Doubles) -> None:
-    """Fill rows, columns 1.. of `table` (H+1, W+1, C) with sums of `image` (H, W, C) in one pass.
-
-    Row and column 0 of the table must be zero on entry.
-    """
-    height, width, channels = image.shape
-    for row in range(height):
-        for c in range(channels):
-            running = 0.0
-            for column in range(width):
-                running += image[row, column, c]
-                table[row + 1, column + 1, c] = table[row, column + 1, c] + running
-
-
 @inlined
-def corner(table: Doubles, row: float, column: float, channel: int) -> float:
+def corner(table: Floats | Doubles, row: float, column: float, channel: int) -> float:
     """Sum above and left of a fractional position, which must lie within the image.
 
     Bilinear in the table: exact for an image of constant texels.
@@ -35,7 +20,7 @@ def corner(table: Doubles, row: float, column: float, channel: int) -> float:
 
 
 @kernel
-def sum_boxes(table: Doubles, boxes: Doubles, sums: Doubles) -> None:
+def sum_boxes(table: Floats | Doubles, boxes: Doubles, sums: Doubles) -> None:
     """Write to `sums` (N, C) what `boxes` (N, 4) of top, left, bottom, right hold of the image."""
     height, width, channels = table.shape[0] - 1.0, table.shape[1] - 1.0, table.shape[2]
     for n in range(len(boxes)):

@@ -31,6 +31,7 @@ def service_in(folder: Path) -> FastAPI:
         "docs/comparing_structures.md",
         "docs/comparing_pictures.md",
         "docs/deforming.md",
+        "docs/summed_area_tables.md",
         "docs/texture_filtering.md",
     ],
 )

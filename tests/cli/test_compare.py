@@ -138,9 +138,26 @@ def test_frames_are_benchmarked(tmp_path: Path, capsys: Capture) -> None:
     assert shown.err == ""
 
 
+def test_summed_area_tables_are_benchmarked(tmp_path: Path, capsys: Capture) -> None:
+    path = tmp_path / "s.json"
+    words = ["bench", "sat", "--size", "16x12", "--rounds", "1", "--json", str(path)]
+    assert run(words) == 0
+    measured = json.loads(path.read_text())
+    assert {"machine", "version", "results"} <= set(measured)
+    assert {r["measured"] for r in measured["results"]} == {"build", "lookup"}
+    assert {(r["width"], r["height"]) for r in measured["results"]} == {(16, 12)}
+    shown = capsys.readouterr()
+    assert "doubling" in shown.out and "mlookups_per_s" in shown.out
+    assert shown.err == ""
+
+
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
+        (["sat", "--size", "wide"], "error: --size: "),
+        (["sat", "--size", "0x5"], "error: size: must be at least 1x1"),
+        (["sat", "--size", "99999x99999"], "error: size: may have 33,554,432 texels"),
+        (["sat", "--json", "nowhere/f.json"], "error: --json: there is no folder"),
         (["smell"], "error: No such command 'smell'"),
         (["frame", "--series", "weather"], "error: series: unknown 'weather'"),
         (["frame", "--set", "bounces=9"], "error: settings.bounces: "),
@@ -166,4 +183,4 @@ def test_wrong_words_for_a_benchmark_are_refused(
 def test_benchmarks_are_listed(capsys: Capture) -> None:
     assert run(["bench"]) == 2
     shown = capsys.readouterr()
-    assert "structures" in shown.out and "frame" in shown.out
+    assert all(name in shown.out for name in ("structures", "frame", "sat"))
