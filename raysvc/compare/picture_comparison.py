@@ -9,8 +9,9 @@ import numpy as np
 from raysvc.compare.machine import machine
 from raysvc.compare.picture_difference import PictureDifference, picture_difference
 from raysvc.frame.frame import Frame
-from raysvc.frame.render import DEFAULT_ENVIRONMENT, render
+from raysvc.frame.render import render
 from raysvc.frame.settings import Settings, settings_from
+from raysvc.frame.surroundings import DEFAULT_ENVIRONMENT
 from raysvc.frame.view import View
 from raysvc.imaging.encode import encode_png
 from raysvc.parallel import Control
