@@ -33,7 +33,7 @@ class Probe(BaseModel):
     )
 
     def shown(self, scene: Scene) -> Bools:
-        """(F,) triangles that the probe sees. Raises InvalidSetting for what is not there."""
+        """(F,) triangles that the probe sees."""
         if self.without is None:
             return ~np.isin(scene.object_of_triangle, self._around(scene))
         shown = np.ones(len(scene.triangles), np.bool_)
@@ -72,11 +72,14 @@ def probe_from(values: Mapping[str, Any]) -> tuple[Any, Probe]:
     return values.get("environment"), checked(Probe, rest, FIELD)
 
 
-def check_probe(probe: Probe, settings: Settings) -> None:
-    """Raise InvalidSetting for settings that no probe goes with."""
+def check_probe(probe: Probe, settings: Settings, scene: Scene) -> None:
+    """Raise InvalidSetting for settings that no probe goes with, and for what is to be left out of
+    the scene but is not in it."""
     if settings.mode == "reference":
         raise InvalidSetting("a probe is for hybrid mode; reference mode has none", FIELD)
     if settings.bounces:
         raise InvalidSetting(
             "a probe takes the place of reflected rays; leave it out, or give 0", "settings.bounces"
         )
+    for name in probe.without or ():
+        _called(scene, name)

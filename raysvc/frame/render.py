@@ -64,7 +64,7 @@ def render(
     control = (control or Control()).limited(settings.threads, settings.deadline_s)
     base, probe = surroundings(environment)
     if probe is not None:
-        check_probe(probe, settings)
+        check_probe(probe, settings, scene)
 
     ledger = Ledger()
     with ledger.stage("prepare"):
