@@ -90,7 +90,13 @@ def _capture(draft: Draft, probe: Probe) -> Captured:
     cameras = face_cameras(np.array(probe.probe_at, np.float64), probe.size)
     side = cameras[0].width
     around, lamps = np.empty((2, len(cameras), side, side, 3), np.float32)
-    rays = SecondaryRays(prepared, settings, draft.illumination, draft.ledger)
+    rays = SecondaryRays(
+        prepared,
+        settings,
+        draft.illumination,
+        draft.ledger,
+        narrowest_rad=WITHOUT_SUN_RAD,
+    )
     serial = control.limited(1, None).quiet()
 
     def face(begin: int, end: int) -> None:

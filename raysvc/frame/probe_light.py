@@ -15,6 +15,7 @@ import numpy as np
 from raysvc.frame.prepared import Prepared
 from raysvc.frame.radiance import specular_lobe
 from raysvc.frame.statistics import Ledger
+from raysvc.lighting.albedo import specular_albedo
 from raysvc.lighting.brdf import MIRROR_ROUGHNESS
 from raysvc.lighting.direct import arriving, reflected
 from raysvc.lighting.image_light import ImageLight
@@ -53,27 +54,30 @@ class ProbeLight:
         self._captured, self._lookups, self._ledger = captured, lookups, ledger
         self._base, self._world = prepared.light, prepared.world
 
-    def lobe(self, surface: Surface, albedo: Floats) -> Floats:
-        """(N, 3) radiance that the specular lobe returns; its `albedo` (N, 3) goes with it."""
-        total = self._lobe_of(self._captured.around, surface, albedo)
+    def lobe(self, surface: Surface, seen: Floats) -> Floats:
+        """(N, 3) radiance that the specular lobe returns.
+
+        `seen` (N, 3) is what of constant light would be seen: where that is faint, one lookup does.
+        """
+        total = self._lobe_of(self._captured.around, surface, seen)
         if self._captured.lamps is not None:
             smooth = 1.0 - highlight(surface.roughness)
             index = np.flatnonzero(smooth > 0.0)
-            lamps = self._lobe_of(self._captured.lamps, surface.chosen(index), albedo[index])
+            lamps = self._lobe_of(self._captured.lamps, surface.chosen(index), seen[index])
             total[index] += lamps * smooth[index, None]
-        self._add_sun_in_mirrors(surface, albedo, total)
+        self._add_sun_in_mirrors(surface, total)
         return total
 
-    def _lobe_of(self, light: ImageLight, surface: Surface, albedo: Floats) -> Floats:
+    def _lobe_of(self, light: ImageLight, surface: Surface, seen: Floats) -> Floats:
         """(N, 3) of all light of a captured map, whether its tables hold it or not."""
-        total = specular_lobe(light, surface, albedo, self._lookups)
+        total = specular_lobe(light, surface, seen, self._lookups)
         if light.sun is not None:
             to_light, _, irradiance = arriving(light.sun, surface.position)
             without_diffuse = _as_metal(surface)
             total += reflected(without_diffuse, to_light, irradiance, light.sun.angular_radius_rad)
         return total
 
-    def _add_sun_in_mirrors(self, surface: Surface, albedo: Floats, total: Floats) -> None:
+    def _add_sun_in_mirrors(self, surface: Surface, total: Floats) -> None:
         """Add the base environment's sun to points (N, 3) in the mirror limit that look at it."""
         sun = self._base.sun
         mirror = np.flatnonzero(surface.roughness <= MIRROR_ROUGHNESS)
@@ -84,12 +88,13 @@ class ProbeLight:
         point = mirror[directions @ np.array(sun.direction, np.float32) > np.cos(reach)]
         if not len(point):
             return
-        rays = mirror_rays(surface.chosen(point))
+        looking = surface.chosen(point)
+        rays = mirror_rays(looking)
         width = np.full(len(point), WITHOUT_SUN_RAD, np.float32)
         disc = self._base.radiance(rays.directions) - self._base.cone(rays.directions, width)
         self._ledger.count("shadow", len(point))
         free = self._world.transmittance(rays)
-        total[point] += albedo[point] * np.maximum(disc, 0.0) * free[:, None]
+        total[point] += specular_albedo(looking) * np.maximum(disc, 0.0) * free[:, None]
 
 
 def _as_metal(surface: Surface) -> Surface:

@@ -89,11 +89,20 @@ class SecondaryRays:
     """Follows rays from points; its methods take chunks and may run on many threads."""
 
     def __init__(
-        self, prepared: Prepared, settings: Settings, illumination: Illumination, ledger: Ledger
+        self,
+        prepared: Prepared,
+        settings: Settings,
+        illumination: Illumination,
+        ledger: Ledger,
+        *,
+        narrowest_rad: float = 0.0,
     ) -> None:
+        """Through glass the environment is seen by cones of at least half a width of
+        `narrowest_rad`: a little is enough for its sun not to be seen."""
         self._prepared, self._settings, self._ledger = prepared, settings, ledger
         self._illumination = illumination
         self._organise = ORGANISATIONS[settings.passes, settings.trees]
+        self._narrowest_rad = np.float32(narrowest_rad)
         self._probe: ProbeLight | None = None
 
     def show(self, probe: ProbeLight) -> None:
@@ -259,7 +268,7 @@ class SecondaryRays:
         transmission.weight[clear] = weight
         missed = np.flatnonzero(followed.hits.triangle < 0)
         transmission.radiance[index[missed]] = self._prepared.light.cone(
-            rays.directions[missed], half_width[missed]
+            rays.directions[missed], np.maximum(half_width[missed], self._narrowest_rad)
         )
         transmission.radiance[index[followed.met]] = followed.radiance
         pixel = _pixels_per_radian(differentials, followed.hits.t)
