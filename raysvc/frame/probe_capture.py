@@ -31,8 +31,9 @@ from raysvc.lighting.cube_map import face_cameras, lat_long_of_faces, pixel_half
 from raysvc.lighting.image_light import ImageLight
 from raysvc.parallel import for_chunks
 from raysvc.scene import Camera, Environment, Scene
-from raysvc.types import Floats
+from raysvc.types import Bools, Floats
 
+MARGIN = 1.001
 FREE_OF_RAYS: Final = {"bounces": 0, "aa": "none", "lens": "none", "background": "transparent"}
 """How the faces differ from the frame."""
 
@@ -110,7 +111,7 @@ def _capture(draft: Draft, probe: Probe) -> Captured:
                 draft.illumination,
                 rays,
                 draft.environment,
-                shown=shown,
+                shown=shown & before(cameras[number], prepared.scene),
             )
             around[number], lamps[number] = _seen(picture, probe.size)
 
@@ -145,6 +146,24 @@ def _seen(draft: Draft, size: int) -> tuple[Floats, Floats]:
     open_ = np.flatnonzero(rgba[:, 3] < 1.0)
     rgba[open_, :3] += (1.0 - rgba[open_, 3:]) * _behind(draft.prepared.light, draft.camera, open_)
     return np.maximum(rgba[:, :3], 0.0).reshape(*draft.shape, 3), lamps
+
+
+def before(camera: Camera, scene: Scene) -> Bools:
+    """(F,) triangles that may be in a perspective camera's view: not beyond one of its sides.
+
+    Five of six faces need not look at a triangle any closer.
+    """
+    right, up = camera.world_from_camera[:3, 0], camera.world_from_camera[:3, 1]
+    x, y, depth = np.stack([right, up, camera.forward]) @ (scene.positions - camera.eye).T
+    # Rounding must not lose what touches a side
+    reach_y = camera.half_height * MARGIN * depth
+    reach_x = reach_y * (camera.width / camera.height)
+    beyond = np.zeros(len(x), np.uint8)
+    for side, is_out in enumerate((x > reach_x, -x > reach_x, y > reach_y, -y > reach_y)):
+        beyond |= is_out.astype(np.uint8) << np.uint8(side)
+    corners = beyond[scene.triangles]
+    found: Bools = (corners[:, 0] & corners[:, 1] & corners[:, 2]) == 0
+    return found
 
 
 def _put_out_lamps(draft: Draft) -> Floats:

@@ -10,6 +10,8 @@ from raysvc.builtin import BUILTIN_ENVIRONMENTS
 from raysvc.builtin.mesh import Part, scene_of
 from raysvc.builtin.shapes import sheet, sphere
 from raysvc.errors import Cancelled, InvalidSetting
+from raysvc.frame.probe_capture import before
+from raysvc.lighting.cube_map import face_cameras
 from raysvc.parallel import Control
 from raysvc.scene import Environment, Material, PunctualLight, Scene
 from tests.frame.subjects import GREY, MIRROR, ball, constant_environment, still_life
@@ -273,6 +275,25 @@ def test_a_probe_is_kept_until_something_that_it_sees_changes() -> None:
     assert is_rebuilt(rendered())
 
 
+def test_faces_lose_nothing_that_their_cameras_see() -> None:
+    scene = room()
+    at = np.array([0.3, -0.2, 0.9])
+    often = np.zeros(len(scene.triangles))
+    for camera in face_cameras(at, 8):
+        may_be = before(camera, scene)
+        # A point of a triangle is seen where its corners' mean is; sample all of it
+        weights = np.random.default_rng(0).dirichlet(np.ones(3), 60)
+        points = np.einsum("sk,fkc->fsc", weights, scene.positions[scene.triangles]) - at
+        right, up = camera.world_from_camera[:3, 0], camera.world_from_camera[:3, 1]
+        depth = points @ camera.forward
+        inside = np.abs(points @ right) <= camera.half_height * depth
+        inside &= np.abs(points @ up) <= camera.half_height * depth
+        assert may_be[inside.any(axis=1)].all()
+        often += may_be
+    assert often.min() >= 1
+    assert often.mean() < 2.0
+
+
 def test_bytes_do_not_depend_on_threads() -> None:
     frames = [
         raysvc.render(still_life(), {"probe_at": [-0.9, 0.8, 0.0]}, VIEW, {"threads": threads})
@@ -296,9 +317,9 @@ def test_glass_and_holes_around_are_captured() -> None:
     veil = Material("veil", (0.0, 0.0, 0.0, 0.5), metallic=0.0, roughness=1.0, alpha_mode="blend")
     view = {"eye": [0, 0, 0.9], "target": [0, 0, 0], "width": 9, "height": 9}
     middle = []
-    for before in (clear, replace(veil, double_sided=True)):
+    for between in (clear, replace(veil, double_sided=True)):
         parts = [Part(sphere(0.5, 16), 0), Part(pane, 1), Part(wall, 2)]
-        scene = scene_of("behind", parts, [MIRROR, before, red])
+        scene = scene_of("behind", parts, [MIRROR, between, red])
         frame = raysvc.render(scene, around(constant_environment(0.1)), view, PLAIN)
         middle.append(frame.layers["beauty"][4, 4, 0])
     assert middle[0] == pytest.approx(1.0, abs=0.2)
