@@ -5,6 +5,7 @@ from typing import Any
 
 from api.schemas import RenderBody
 from raysvc.errors import InvalidSetting
+from raysvc.frame.probe import probe_from
 from raysvc.frame.settings import checked, settings_from
 from raysvc.frame.view import View
 from raysvc.jobs import ContentStore, Job, RenderRequest, RenderService
@@ -23,16 +24,18 @@ def submit(service: RenderService, body: Mapping[str, Any]) -> Job[RenderRequest
         raise InvalidSetting("is missing", field="scene")
     settings = settings_from(_mapping(body, "settings"))
     camera = checked(View, _mapping(body, "camera"), "camera")
-    environment = body.get("environment")
+    environment, probe, field = body.get("environment"), None, "environment"
+    if isinstance(environment, dict):
+        environment, probe = probe_from(environment)
+        field = "environment.environment"
     request = RenderRequest(
         scene=stored_id(body["scene"], "scene", service.scenes),
         environment=(
-            None
-            if environment is None
-            else stored_id(environment, "environment", service.environments)
+            None if environment is None else stored_id(environment, field, service.environments)
         ),
         camera=camera,
         settings=settings,
+        probe=probe,
     )
     return service.submit(request)
 

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from api.problems import error_body
 from raysvc.accel.registry import Entry
+from raysvc.frame.probe import Probe
 from raysvc.frame.settings import Settings
 from raysvc.frame.view import View
 from raysvc.jobs import Job, JobState, Record, RenderRequest, Request
@@ -21,12 +22,21 @@ class BuiltinBody(BaseModel):
     builtin: str = Field(description="Its name, such as `torus_park`.")
 
 
+class ProbeBody(Probe):
+    """Asks for an environment that is captured from a point of the scene."""
+
+    environment: str | None = Field(
+        None, description="What is around the scene: an id, or `builtin:NAME`."
+    )
+
+
 class RenderBody(BaseModel):
     """Asks for a picture."""
 
     scene: str = Field(description="A scene's id, or `builtin:NAME`.")
-    environment: str | None = Field(
-        None, description="An environment's id, or `builtin:NAME`; the clear sky by default."
+    environment: str | ProbeBody | None = Field(
+        None,
+        description="An environment's id, or `builtin:NAME`, the clear sky by default; or a probe.",
     )
     camera: View = Field(
         default_factory=View, description="From where; framed on the bounds by default."
@@ -101,7 +111,9 @@ class RenderResource(JobResource):
     """A render: how far it is, and what it took."""
 
     scene: str
-    environment: str | None
+    environment: str | dict[str, Any] | None = Field(
+        description="Its id; with a probe, that as it was asked for."
+    )
     camera: dict[str, Any]
     settings: dict[str, Any]
     statistics: dict[str, Any] | None = Field(
@@ -184,12 +196,18 @@ def render_resource(job: Job[RenderRequest], position: int | None) -> RenderReso
     return RenderResource(
         **known,
         scene=job.request.scene,
-        environment=job.request.environment,
+        environment=_environment_asked(job.request),
         camera=job.request.camera.model_dump(mode="json"),
         settings=job.request.settings.model_dump(mode="json"),
         statistics=statistics,
         warnings=list(statistics.get("warnings", [])) if statistics else [],
     )
+
+
+def _environment_asked(request: RenderRequest) -> str | dict[str, Any] | None:
+    if request.probe is None:
+        return request.environment
+    return {**request.probe.model_dump(mode="json"), "environment": request.environment}
 
 
 def structure_resource(name: str, entry: Entry) -> StructureResource:

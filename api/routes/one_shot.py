@@ -18,7 +18,7 @@ from raysvc.jobs import ContentStore
 router = APIRouter(prefix="/v1/render", tags=["renders"], responses=PROBLEM_RESPONSES)
 
 FILES = {"scene", "environment"}
-TEXTS = {"scene", "environment", "main", "camera", "settings"}
+TEXTS = {"scene", "environment", "probe", "main", "camera", "settings"}
 
 ONE_SHOT_BODY = {
     "requestBody": {
@@ -42,6 +42,7 @@ ONE_SHOT_BODY = {
                             "contentMediaType": "application/octet-stream",
                             "description": "An environment's file; or its id or `builtin:NAME`.",
                         },
+                        "probe": {"$ref": "#/components/schemas/ProbeBody"},
                         "main": {"type": "string"},
                         "camera": {"$ref": "#/components/schemas/View"},
                         "settings": {"$ref": "#/components/schemas/Settings"},
@@ -87,6 +88,13 @@ def _body_of(form: Form, context: Context) -> dict[str, Any]:
     body: dict[str, Any] = {"scene": _name_of(form, "scene", context.service.scenes)}
     if "environment" in form.files or "environment" in form.texts:
         body["environment"] = _name_of(form, "environment", context.service.environments)
+    if "probe" in form.texts:
+        probe = parse_object(form.texts["probe"], "probe")
+        if "environment" in body:
+            if probe.get("environment") is not None:
+                raise InvalidInput("is given both in the probe and beside it", "environment")
+            probe["environment"] = body["environment"]
+        body["environment"] = probe
     for part in ("camera", "settings"):
         if part in form.texts:
             body[part] = parse_object(form.texts[part], part)

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any, Final, TypeVar
 
 from raysvc.errors import InvalidSetting
+from raysvc.frame.probe import FIELD, Probe
+from raysvc.frame.settings import checked
 
 Format = TypeVar("Format", bound=str)
 
@@ -35,6 +37,24 @@ def camera_mapping(path: Path | None, size: str | None) -> dict[str, Any]:
             raise InvalidSetting(f"write WIDTHxHEIGHT, not {size!r}", field="--size")
         camera |= {"width": int(found.group(1)), "height": int(found.group(2))}
     return camera
+
+
+def probe_mapping(
+    probe_at: str | None, probe_size: int | None, without: Sequence[str] | None
+) -> dict[str, Any] | None:
+    """Read a probe's place from X,Y,Z; what it is without is a number, else a name."""
+    if probe_at is None:
+        for option, value in (("--probe-size", probe_size), ("--probe-without", without)):
+            if value is not None:
+                raise InvalidSetting("needs --probe-at", field=option)
+        return None
+    probe: dict[str, Any] = {"probe_at": probe_at.split(",")}
+    if probe_size is not None:
+        probe["size"] = probe_size
+    if without is not None:
+        probe["without"] = [int(name) if name.isdecimal() else name for name in without]
+    checked(Probe, probe, FIELD)
+    return probe
 
 
 def checked_output(path: Path) -> Path:

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from raysvc.cli.arguments import camera_mapping, output_format, writable
+from raysvc.cli.arguments import camera_mapping, output_format, probe_mapping, writable
 from raysvc.cli.compare_pictures import show_difference
 from raysvc.cli.progress import progress_bar
 from raysvc.cli.tables import comparison_table, show
@@ -64,6 +64,21 @@ def compare(
         str | None,
         typer.Option("--environment", "-e", help="Of pictures: .hdr, .exr or builtin:NAME."),
     ] = None,
+    probe_at: Annotated[
+        str | None,
+        typer.Option(
+            "--probe-at", help="Of pictures: X,Y,Z from where glossy surfaces see the scene."
+        ),
+    ] = None,
+    probe_size: Annotated[
+        int | None, typer.Option("--probe-size", help="Pixels along a side of the probe's cube.")
+    ] = None,
+    probe_without: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--probe-without", help="An object's number or a material's name; may be repeated."
+        ),
+    ] = None,
     set_: Annotated[
         list[str] | None,
         typer.Option("--set", help="Of pictures: KEY=VALUE of a setting; may be repeated."),
@@ -84,7 +99,14 @@ def compare(
         "--chart": chart,
         "--heat-map": heat_map,
     }
-    only_pictures = {"--environment": environment, "--set": set_, "--samples": samples}
+    only_pictures = {
+        "--environment": environment,
+        "--probe-at": probe_at,
+        "--probe-size": probe_size,
+        "--probe-without": probe_without,
+        "--set": set_,
+        "--samples": samples,
+    }
     refused = only_pictures if pictures is None else only_structures
     for option, value in refused.items():
         if value is not None:
@@ -92,7 +114,8 @@ def compare(
             raise InvalidSetting(f"{other} --pictures", field=option)
     if pictures is not None:
         view = camera_mapping(camera, size)
-        show_difference(scene, environment, view, set_ or [], samples, pictures, output)
+        probe = probe_mapping(probe_at, probe_size, probe_without)
+        show_difference(scene, environment, probe, view, set_ or [], samples, pictures, output)
         return
     for path, option, formats in (
         (output, "--output", TABLE_FORMATS),

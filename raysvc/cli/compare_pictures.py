@@ -24,6 +24,7 @@ from raysvc.parallel import Control
 def show_difference(
     scene: str,
     environment: str | None,
+    probe: Mapping[str, Any] | None,
     camera: Mapping[str, Any],
     assignments: Sequence[str],
     samples: int | None,
@@ -42,7 +43,7 @@ def show_difference(
         light = None if environment is None else load_environment(environment)
         compared = compare_pictures(
             load_scene(scene),
-            light,
+            light if probe is None else {**probe, "environment": light},
             view,
             settings,
             samples,

@@ -7,7 +7,13 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from raysvc.cli.arguments import camera_mapping, checked_output, settings_mapping, writable
+from raysvc.cli.arguments import (
+    camera_mapping,
+    checked_output,
+    probe_mapping,
+    settings_mapping,
+    writable,
+)
 from raysvc.cli.progress import progress_bar
 from raysvc.cli.tables import stage_table
 from raysvc.frame.render import render as render_frame
@@ -26,6 +32,21 @@ def render(
     environment: Annotated[
         str | None,
         typer.Option("--environment", "-e", help="An .hdr or .exr file, or builtin:NAME."),
+    ] = None,
+    probe_at: Annotated[
+        str | None,
+        typer.Option(
+            "--probe-at", help="X,Y,Z from where glossy surfaces see the scene, instead of by rays."
+        ),
+    ] = None,
+    probe_size: Annotated[
+        int | None, typer.Option("--probe-size", help="Pixels along a side of the probe's cube.")
+    ] = None,
+    probe_without: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--probe-without", help="An object's number or a material's name; may be repeated."
+        ),
     ] = None,
     positions: Annotated[
         Path | None,
@@ -49,6 +70,7 @@ def render(
     if stats is not None:
         writable(stats, "--stats")
     settings = settings_from(settings_mapping(set_ or []))
+    probe = probe_mapping(probe_at, probe_size, probe_without)
     view = checked(View, camera_mapping(camera, size), "camera")
 
     with progress_bar(scene) as report:
@@ -59,7 +81,8 @@ def render(
         if positions is not None:
             shape = load_shape(positions, len(shown.positions))
             shown = shown.deformed(shape.positions, shape.normals)
-        frame = render_frame(shown, light, view, settings, control=control)
+        around = light if probe is None else {**probe, "environment": light}
+        frame = render_frame(shown, around, view, settings, control=control)
     frame.save(output)
 
     statistics = frame.statistics.to_dict()

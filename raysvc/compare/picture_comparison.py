@@ -9,8 +9,10 @@ import numpy as np
 from raysvc.compare.machine import machine
 from raysvc.compare.picture_difference import PictureDifference, picture_difference
 from raysvc.frame.frame import Frame
-from raysvc.frame.render import DEFAULT_ENVIRONMENT, render
+from raysvc.frame.probe import Probe
+from raysvc.frame.render import render
 from raysvc.frame.settings import Settings, settings_from
+from raysvc.frame.surroundings import DEFAULT_ENVIRONMENT, default_environment, surroundings
 from raysvc.frame.view import View
 from raysvc.imaging.encode import encode_png
 from raysvc.parallel import Control
@@ -29,6 +31,8 @@ class PictureComparison:
 
     scene: str
     environment: str
+    probe: Probe | None
+    """Of the hybrid picture."""
     camera: View
     settings: Settings
     """Of the hybrid picture."""
@@ -44,6 +48,7 @@ class PictureComparison:
         return {
             "scene": self.scene,
             "environment": self.environment,
+            "probe": None if self.probe is None else self.probe.model_dump(mode="json"),
             "width": width,
             "height": height,
             "camera": self.camera.model_dump(mode="json", exclude_none=True),
@@ -60,7 +65,7 @@ class PictureComparison:
 
 def compare_pictures(
     scene: Scene,
-    environment: Environment | None = None,
+    environment: Environment | Mapping[str, Any] | None = None,
     camera: View | None = None,
     settings: Settings | Mapping[str, Any] | None = None,
     samples: int | None = None,
@@ -74,7 +79,7 @@ def compare_pictures(
     Parameters
     ----------
     scene, environment, camera, settings
-        as for `render`
+        as for `render`; the reference is without a probe, as what the probe's picture should be
     samples
         of the reference, per pixel; by default those of the settings
     source, environment_source
@@ -85,12 +90,14 @@ def compare_pictures(
     settings, camera = settings_from(settings), camera or View()
     true = reference_settings(settings, samples)
     control = control or Control()
-    named = f"builtin:{DEFAULT_ENVIRONMENT}" if environment is None else environment.name
+    base, probe = surroundings(environment)
+    named = f"builtin:{DEFAULT_ENVIRONMENT}" if base is default_environment() else base.name
     frame = render(scene, environment, camera, settings, control=control)
-    reference = render(scene, environment, camera, true, control=control)
+    reference = render(scene, base, camera, true, control=control)
     return PictureComparison(
         scene=source or scene.name,
         environment=environment_source or named,
+        probe=probe,
         camera=camera,
         settings=settings,
         reference_settings=true,

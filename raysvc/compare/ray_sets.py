@@ -21,7 +21,7 @@ from raysvc.accel.base import Rays, Triangles, nearest
 from raysvc.accel.registry import build
 from raysvc.accel.report import Query
 from raysvc.errors import InvalidSetting
-from raysvc.frame.render import default_environment
+from raysvc.frame.surroundings import default_environment
 from raysvc.lighting.direct import arriving
 from raysvc.lighting.sun import SunLight, extract_suns
 from raysvc.parallel import Control, map_chunks

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from raysvc.frame.points import Points
 from raysvc.frame.prepared import Prepared
 from raysvc.frame.primary import CHUNK
+from raysvc.frame.probe import Probe
 from raysvc.frame.radiance import Illumination
 from raysvc.frame.reflections import Reflection, Transmission
 from raysvc.frame.secondary_rays import SecondaryRays
@@ -17,7 +18,7 @@ from raysvc.frame.settings import Settings
 from raysvc.frame.shadows import AreaShadow
 from raysvc.frame.statistics import Ledger
 from raysvc.parallel import Control, map_chunks
-from raysvc.scene import Camera
+from raysvc.scene import Camera, Environment
 from raysvc.tracing.gloss import GlossPicture
 from raysvc.tracing.neighbours import Neighbours
 from raysvc.types import Bools, Floats, Ints, Longs
@@ -34,6 +35,11 @@ class Draft:
     ledger: Ledger
     illumination: Illumination
     rays: SecondaryRays
+    environment: Environment
+    probe: Probe | None = None
+    """From where the scene is captured for glossy surfaces."""
+    shown: Bools | None = None
+    """(F,) triangles that the camera sees; None is all."""
     points: Points = field(init=False)
     front: Longs = field(init=False)
     """(H * W,) which point stands for a pixel in the layers, or -1."""

@@ -18,16 +18,20 @@ from raysvc.types import Bools, Doubles, Floats, Ints, Longs
 CHUNK = 1 << 14
 
 
-def rasterised(prepared: Prepared, camera: Camera, control: Control) -> tuple[Longs, Ints]:
+def rasterised(
+    prepared: Prepared, camera: Camera, control: Control, shown: Bools | None = None
+) -> tuple[Longs, Ints]:
     """Pixel (N,) and triangle (N,) of everything visible, by pixel and then by distance.
 
-    Masked triangles are resolved where they are not cut out; blended ones are all kept.
+    Masked triangles are resolved where they are not cut out; blended ones are all kept. Of the
+    scene's triangles only those `shown` (F,) are there; all by default.
     """
     tables = prepared.tables
-    raster = Raster(prepared.scene, tables.solid, tables.double_sided, camera, control)
-    masked = np.flatnonzero(~tables.solid & ~tables.blended).astype(np.int32)
+    there = np.ones(len(tables.solid), np.bool_) if shown is None else shown
+    raster = Raster(prepared.scene, tables.solid & there, tables.double_sided, camera, control)
+    masked = np.flatnonzero(~tables.solid & ~tables.blended & there).astype(np.int32)
     raster.add(_covering(prepared, camera, raster.nearer_fragments(masked), control))
-    blended = np.flatnonzero(tables.blended).astype(np.int32)
+    blended = np.flatnonzero(tables.blended & there).astype(np.int32)
     layers = _covering(prepared, camera, raster.nearer_fragments(blended), control)
     visible = raster.visible()
     covered = np.flatnonzero(visible >= 0)

@@ -22,6 +22,7 @@ from raysvc.lighting.albedo import diffuse_albedo
 from raysvc.lighting.ambient import Ambient, mean_of_rays
 from raysvc.lighting.boundary_albedo import boundary_albedo
 from raysvc.lighting.clearcoat import Varnish
+from raysvc.lighting.image_light import ImageLight
 from raysvc.lighting.soft_map import solid_angle_of_rays
 from raysvc.parallel import Control
 from raysvc.shading.footprint import Footprint
@@ -145,14 +146,18 @@ class Illumination:
         return self._specular_lobe(varnish.surface, varnish.share)
 
     def _specular_lobe(self, surface: Surface, albedo: Floats) -> Floats:
-        """(N, 3) the environment through the specular lobe, by one lookup where that is faint."""
-        light, samples = self._prepared.light, self._settings.ibl_lobe_samples
-        lobe = np.empty((surface.size, 3), np.float32)
-        faint = albedo.max(axis=1) < FAINT
-        for chosen, lookups in ((faint, 1), (~faint, samples)):
-            index = np.flatnonzero(chosen)
-            lobe[index] = light.specular(surface.chosen(index), lookups)
-        return lobe
+        """(N, 3) the environment through the specular lobe."""
+        return specular_lobe(self._prepared.light, surface, albedo, self._settings.ibl_lobe_samples)
+
+
+def specular_lobe(light: ImageLight, surface: Surface, albedo: Floats, samples: int) -> Floats:
+    """(N, 3) a light through the specular lobe, by one lookup where its albedo (N, 3) is faint."""
+    lobe = np.empty((surface.size, 3), np.float32)
+    faint = albedo.max(axis=1) < FAINT
+    for chosen, lookups in ((faint, 1), (~faint, samples)):
+        index = np.flatnonzero(chosen)
+        lobe[index] = light.specular(surface.chosen(index), lookups)
+    return lobe
 
 
 def insides(surface: Surface) -> Longs:

@@ -1,34 +1,33 @@
 """Scene, environment, camera, settings in; frame out."""
 
-import functools
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from raysvc.builtin import BUILTIN_ENVIRONMENTS
 from raysvc.frame.draft import Draft
 from raysvc.frame.frame import Frame
+from raysvc.frame.order import STAGES
 from raysvc.frame.prepared import prepare
+from raysvc.frame.probe import check_probe
 from raysvc.frame.radiance import Illumination
 from raysvc.frame.secondary_rays import SecondaryRays
 from raysvc.frame.settings import Settings, check_cost, checked, settings_from
-from raysvc.frame.stages import STAGES
 from raysvc.frame.statistics import Ledger, Statistics
+from raysvc.frame.surroundings import surroundings
 from raysvc.frame.view import View, camera_from
 from raysvc.limits import DEFAULT_LIMITS, Limits
 from raysvc.parallel import Control
 from raysvc.scene import Environment, Scene
 from raysvc.version import VERSION
 
-DEFAULT_ENVIRONMENT = "clear_sky"
 OCCLUSION_OF_DIAGONAL = 1.0
 """How far ambient occlusion reaches by default, as a part of the scene's diagonal."""
 
 
 def render(
     scene: Scene,
-    environment: Environment | None = None,
+    environment: Environment | Mapping[str, Any] | None = None,
     camera: View | Mapping[str, Any] | None = None,
     settings: Settings | Mapping[str, Any] | None = None,
     *,
@@ -40,7 +39,9 @@ def render(
     Parameters
     ----------
     scene, environment
-        what `raysvc.load` and `raysvc.load_environment` return; without an environment, a clear sky
+        what `raysvc.load` and `raysvc.load_environment` return; without an environment, a clear
+        sky. Or the fields of a `Probe`, which captures what glossy surfaces reflect from a point of
+        the scene, and `environment`, what is around that: an Environment, `builtin:NAME`, or None
     camera
         a `View` or its fields; without one, the scene's bounds are framed
     settings
@@ -61,13 +62,14 @@ def render(
     resolved = camera_from(view, scene, limits)
     check_cost(settings, resolved, limits)
     control = (control or Control()).limited(settings.threads, settings.deadline_s)
-    if environment is None:
-        environment = default_environment()
+    base, probe = surroundings(environment)
+    if probe is not None:
+        check_probe(probe, settings, scene)
 
     ledger = Ledger()
     with ledger.stage("prepare"):
         control.progress("prepare", 0.0)
-        prepared = prepare(scene, environment, settings)
+        prepared = prepare(scene, base, settings)
     illumination = Illumination(
         prepared,
         settings,
@@ -75,7 +77,7 @@ def render(
         ledger,
     )
     rays = SecondaryRays(prepared, settings, illumination, ledger)
-    draft = Draft(prepared, resolved, settings, control, ledger, illumination, rays)
+    draft = Draft(prepared, resolved, settings, control, ledger, illumination, rays, base, probe)
     for name, stage in STAGES[settings.mode]:
         control.check()
         with ledger.stage(name):
@@ -98,22 +100,16 @@ def render(
         },
         edge_fraction=ledger.edge_fraction,
         max_coc_px=ledger.max_coc_px,
+        probe=ledger.probe,
         warnings=(
             *scene.warnings,
-            *environment.warnings,
+            *base.warnings,
             *prepared.warnings,
             *ledger.warnings,
         ),
         renderer_version=VERSION,
     )
     return Frame({"beauty": draft.beauty, **draft.layers}, statistics, settings)
-
-
-@functools.cache
-def default_environment() -> Environment:
-    """Return the environment of frames that were given none; one object, so that its tables are
-    kept."""
-    return BUILTIN_ENVIRONMENTS[DEFAULT_ENVIRONMENT]()
 
 
 def _occlusion_radius(scene: Scene) -> float:

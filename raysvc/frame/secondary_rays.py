@@ -22,6 +22,7 @@ from raysvc.accel.base import Hits, Rays
 from raysvc.frame.passes import ORGANISATIONS
 from raysvc.frame.points import Seen
 from raysvc.frame.prepared import Prepared
+from raysvc.frame.probe_light import ProbeLight
 from raysvc.frame.radiance import Illumination, Lit, glossiness, insides
 from raysvc.frame.reflections import (
     Reflection,
@@ -32,6 +33,7 @@ from raysvc.frame.reflections import (
 )
 from raysvc.frame.settings import Settings
 from raysvc.frame.statistics import Ledger
+from raysvc.lighting.albedo import specular_albedo
 from raysvc.lighting.boundary_albedo import boundary_albedo
 from raysvc.lighting.clearcoat import Varnish
 from raysvc.lighting.lamps import highlight
@@ -87,11 +89,25 @@ class SecondaryRays:
     """Follows rays from points; its methods take chunks and may run on many threads."""
 
     def __init__(
-        self, prepared: Prepared, settings: Settings, illumination: Illumination, ledger: Ledger
+        self,
+        prepared: Prepared,
+        settings: Settings,
+        illumination: Illumination,
+        ledger: Ledger,
+        *,
+        narrowest_rad: float = 0.0,
     ) -> None:
+        """Through glass the environment is seen by cones of at least half a width of
+        `narrowest_rad`: a little is enough for its sun not to be seen."""
         self._prepared, self._settings, self._ledger = prepared, settings, ledger
         self._illumination = illumination
         self._organise = ORGANISATIONS[settings.passes, settings.trees]
+        self._narrowest_rad = np.float32(narrowest_rad)
+        self._probe: ProbeLight | None = None
+
+    def show(self, probe: ProbeLight) -> None:
+        """From now on let a captured probe tell what is reflected, and no rays."""
+        self._probe = probe
 
     def reflected(
         self,
@@ -117,6 +133,8 @@ class SecondaryRays:
             of the paths that have led here
         """
         surface = seen.surface
+        if self._probe is not None:
+            return self._shown_by(self._probe, surface)
         reflection = Reflection.none(surface.size)
         if depth.bounce > self._settings.bounce_limit:
             return reflection
@@ -165,6 +183,24 @@ class SecondaryRays:
         _show(reflection, shiny, followed)
         if surface.coat.size:
             self._reflect_in_varnish(seen, throughput, depth, reflection)
+        return reflection
+
+    def _shown_by(self, probe: ProbeLight, surface: Surface) -> Reflection:
+        """What N points mirror of a probe: the part of their lobe of which else rays would tell."""
+        reflection = Reflection.none(surface.size)
+        gloss = glossiness(surface.roughness)
+        shiny = np.flatnonzero((gloss > 0.0) & ~surface.unlit)
+        mirror = surface.chosen(shiny)
+        albedo = specular_albedo(mirror)
+        lobe = probe.lobe(mirror, albedo)
+        reflection.radiance[shiny] = lobe / np.maximum(albedo, np.float32(1e-6))
+        reflection.share[shiny] = gloss[shiny]
+        varnish = Varnish.of(surface)
+        if len(varnish.point):
+            coat = probe.lobe(varnish.surface, np.repeat(varnish.share, 3, axis=1))
+            coat -= self._illumination.coat_lobe(varnish)
+            coat *= varnish.share * glossiness(varnish.surface.roughness)[:, None]
+            reflection.varnish[varnish.point] = coat
         return reflection
 
     def _reflect_in_varnish(
@@ -232,7 +268,7 @@ class SecondaryRays:
         transmission.weight[clear] = weight
         missed = np.flatnonzero(followed.hits.triangle < 0)
         transmission.radiance[index[missed]] = self._prepared.light.cone(
-            rays.directions[missed], half_width[missed]
+            rays.directions[missed], np.maximum(half_width[missed], self._narrowest_rad)
         )
         transmission.radiance[index[followed.met]] = followed.radiance
         pixel = _pixels_per_radian(differentials, followed.hits.t)

@@ -1,26 +1,18 @@
-"""The stages of a frame, each a function from a draft of it to what it adds.
+"""Stages of a frame, each a function from a draft of it to what it adds.
 
-    hybrid      rasterise -> layers -> shadows -> occlusion -> reflections -> light -> edges -> lens
-    reference   rasterise -> layers -> paths
-
-Every stage is timed by the caller. Within a stage, chunks of points run on the frame's threads;
-progress, cancelling and the deadline are looked at between them.
+`raysvc.frame.order` says in which order. Within a stage, chunks of points run on the frame's
+threads; progress, cancelling and the deadline are looked at between them.
 """
-
-from typing import Final
 
 import numpy as np
 
 from raysvc import records
-from raysvc.frame.antialias import antialias
 from raysvc.frame.background import composite
 from raysvc.frame.draft import Draft
-from raysvc.frame.paths import paths
 from raysvc.frame.points import front
 from raysvc.frame.primary import CHUNK, points_of, rasterised
 from raysvc.frame.reflections import leaving
 from raysvc.frame.shadows import AreaShadow
-from raysvc.frame.shared_rays import trace_beyond
 from raysvc.lens.coc import coc_px
 from raysvc.lens.spread import spread
 from raysvc.lighting.ambient import Ambient
@@ -33,7 +25,7 @@ from raysvc.types import Floats, Longs
 
 def rasterise(draft: Draft) -> None:
     """Find what each pixel shows, and evaluate materials there."""
-    pixel, triangle = rasterised(draft.prepared, draft.camera, draft.control)
+    pixel, triangle = rasterised(draft.prepared, draft.camera, draft.control, draft.shown)
     draft.points = points_of(
         draft.prepared,
         draft.camera,
@@ -94,20 +86,25 @@ def _neighbours(draft: Draft, normal: Floats) -> Neighbours:
 
 
 def occlusion(draft: Draft) -> None:
-    """Find what arrives from all around."""
-    points = draft.points
+    """Find what surfaces send to each other, and what arrives from all around."""
     draft.illumination.settle(draft.control)
+    gather_ambient(draft)
+
+
+def gather_ambient(draft: Draft) -> None:
+    """Find what arrives from all around, of light that has settled."""
+    points = draft.points
     draft.neighbours = _neighbours(draft, points.surface.normal)
     if draft.prepared.patches is None:
         draft.ambient = Ambient.open(points.surface.size).columns()
     else:
-        _gather_ambient(draft)
+        _share_ambient(draft)
     around = Ambient.of_columns(draft.ambient)
     draft.layers["occlusion"] = draft.picture(around.visible, 1.0)
     draft.layers["bent_normal"] = draft.picture(around.bent_normal(points.surface.normal), 0.0)
 
 
-def _gather_ambient(draft: Draft) -> None:
+def _share_ambient(draft: Draft) -> None:
     """Trace rays from some points, and let the others take the mean of their neighbours."""
     points, width = draft.points, draft.camera.width
     in_front = draft.neighbours.is_shown()
@@ -191,23 +188,3 @@ def defocus(draft: Draft) -> None:
     draft.layers["coc"] = coc
     draft.ledger.max_coc_px = float(np.abs(coc).max())
     draft.beauty = spread(draft.beauty, coc, draft.control, draft.ledger.warnings)
-
-
-STAGES: Final = {
-    "hybrid": (
-        ("rasterise", rasterise),
-        ("layers", write_layers),
-        ("shadows", shadows),
-        ("occlusion", occlusion),
-        ("reflections", trace_beyond),
-        ("light", light),
-        ("edges", antialias),
-        ("lens", defocus),
-    ),
-    "reference": (
-        ("rasterise", rasterise),
-        ("layers", write_layers),
-        ("paths", paths),
-    ),
-}
-"""What is done in each mode, in order."""

@@ -47,6 +47,24 @@ class ShadingCost:
 
 
 @dataclass(frozen=True, slots=True)
+class ProbeCost:
+    """What an environment that was captured from a point of the scene took in one frame."""
+
+    at: tuple[float, float, float]
+    """Metres."""
+    size: int
+    """Pixels along a side of the cube."""
+    left_out: int
+    """Triangles that the probe does not see: of what it stands for."""
+    rebuilt: bool
+    """False where it was kept from an earlier frame; then it took no time."""
+    capture_seconds: float
+    """For the six pictures and the map made of them."""
+    tables_seconds: float
+    """For the map's summed-area tables."""
+
+
+@dataclass(frozen=True, slots=True)
 class Statistics:
     """Numbers of one rendered frame."""
 
@@ -72,6 +90,8 @@ class Statistics:
     """Part of the pixels that were anti-aliased."""
     max_coc_px: float
     """Largest diameter of a circle of confusion; 0 without a lens."""
+    probe: ProbeCost | None
+    """None where rays are reflected."""
     warnings: tuple[str, ...]
     renderer_version: str
 
@@ -98,6 +118,7 @@ class Ledger:
         self._start = time.perf_counter()
         self.edge_fraction = 0.0
         self.max_coc_px = 0.0
+        self.probe: ProbeCost | None = None
         self.warnings: list[str] = []
 
     def count(self, kind: str, rays: int) -> None:

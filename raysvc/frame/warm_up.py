@@ -19,6 +19,7 @@ def warm_up(control: Control | None = None) -> None:
     """
     scene = specimen()
     render(scene, camera=VIEW, settings={"texture_filter": "sat"}, control=control)
+    render(scene, {"probe_at": (0.0, 0.0, 0.0), "size": 16}, VIEW, control=control)
     render(scene, camera=VIEW, settings={"mode": "reference", "samples": 1}, control=control)
     scene.deformed(scene.positions)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol
 
 from raysvc.compare.settings import ComparisonSettings
+from raysvc.frame.probe import Probe
 from raysvc.frame.settings import Settings
 from raysvc.frame.view import View
 from raysvc.version import VERSION
@@ -42,6 +43,8 @@ class RenderRequest:
     """None is the built-in sky."""
     camera: View
     settings: Settings
+    probe: Probe | None = None
+    """From where the scene is captured, before that environment, for glossy surfaces."""
 
     @property
     def name(self) -> str:
@@ -50,6 +53,7 @@ class RenderRequest:
             {
                 "scene": self.scene,
                 "environment": self.environment,
+                "probe": None if self.probe is None else self.probe.model_dump(mode="json"),
                 "camera": self.camera.model_dump(mode="json"),
                 "settings": self.settings.model_dump(
                     mode="json", exclude={"threads", "deadline_s"}

@@ -33,9 +33,11 @@ class SceneRenderer:
         environment = None
         if request.environment is not None:
             environment = self._environments.get(request.environment)
+        probe = request.probe
+        around = None if probe is None else {**probe.model_dump(), "environment": environment}
         return render(
             scene,
-            environment,
+            environment if around is None else around,
             request.camera,
             request.settings,
             control=control,

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from raysvc.compare.result import Comparison
 from raysvc.compare.settings import candidates, check_size
 from raysvc.errors import Gone, NotFinished, NotFound
+from raysvc.frame.probe import check_probe
 from raysvc.frame.settings import check_cost
 from raysvc.frame.view import camera_from
 from raysvc.jobs.kinds import environment_kind, scene_kind
@@ -99,8 +100,10 @@ class RenderService:
 
         Raises InvalidInput, NotFound, QueueFull.
         """
-        camera = camera_from(request.camera, self.scenes.get(request.scene), self.limits)
-        check_cost(request.settings, camera, self.limits)
+        scene = self.scenes.get(request.scene)
+        check_cost(request.settings, camera_from(request.camera, scene, self.limits), self.limits)
+        if request.probe is not None:
+            check_probe(request.probe, request.settings, scene)
         if request.environment is not None:
             self.environments.record(request.environment)
         job = Job(secrets.token_hex(16), request)

@@ -10,6 +10,7 @@ from api.app import create_app
 from api.problems import PROBLEMS
 from api.settings import ApiSettings
 from raysvc.cli.app import app as command_line
+from raysvc.frame.probe import Probe
 from raysvc.frame.settings import Settings
 from raysvc.frame.view import View
 
@@ -18,8 +19,8 @@ HTTP = (DOCS / "http.md").read_text(encoding="utf-8")
 COMMAND_LINE = (DOCS / "command_line.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", [*Settings.model_fields, *View.model_fields])
-def test_every_camera_and_setting_field_is_documented(name: str) -> None:
+@pytest.mark.parametrize("name", [*Settings.model_fields, *View.model_fields, *Probe.model_fields])
+def test_every_camera_probe_and_setting_field_is_documented(name: str) -> None:
     assert f"| `{name}` |" in HTTP
 
 

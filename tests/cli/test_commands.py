@@ -26,6 +26,18 @@ def test_a_scene_is_rendered_to_a_file_with_statistics(tmp_path: Path, capsys: C
     assert shown.err == ""
 
 
+def test_a_probe_takes_the_place_of_reflected_rays(tmp_path: Path, capsys: Capture) -> None:
+    picture, stats = tmp_path / "picture.png", tmp_path / "stats.json"
+    words = ["render", "builtin:cornell", "--size", "8x8", "-o", str(picture)]
+    words += ["--probe-at", "0,1.5,-0.5", "--probe-size", "16", "--probe-without", "0"]
+    assert run([*words, "--stats", str(stats)]) == 0
+    statistics = json.loads(stats.read_text())
+    assert statistics["probe"]["at"] == [0.0, 1.5, -0.5]
+    assert statistics["probe"]["size"] == 16
+    assert statistics["probe"]["left_out"] > 0
+    assert "reflection" not in statistics["rays"]
+
+
 @pytest.mark.parametrize("suffix", ["jpg", "webp", "exr", "npz"])
 def test_the_suffix_names_the_format(tmp_path: Path, suffix: str) -> None:
     picture = tmp_path / f"picture.{suffix}"
@@ -55,6 +67,18 @@ def test_the_suffix_names_the_format(tmp_path: Path, suffix: str) -> None:
         (
             ["render", "builtin:cornell", "-o", "x.png", "--set", "exposure_stops=NaN"],
             "error: settings.exposure_stops: ",
+        ),
+        (
+            ["render", "builtin:cornell", "-o", "x.png", "--probe-at", "1,2"],
+            "error: environment.probe_at: ",
+        ),
+        (
+            ["render", "builtin:cornell", "-o", "x.png", "--probe-at", "1,2,up"],
+            "error: environment.probe_at: ",
+        ),
+        (
+            ["render", "builtin:cornell", "-o", "x.png", "--probe-size", "16"],
+            "error: --probe-size: needs --probe-at",
         ),
         (["render", "builtin:cornell", "--speed", "3"], "error: No such option: --speed"),
         (["render"], "error: Missing argument"),

@@ -104,6 +104,7 @@ def test_structures_are_benchmarked(tmp_path: Path, capsys: Capture) -> None:
         (["--set", "bounces=2"], "error: --set: needs --pictures"),
         (["-e", "builtin:studio"], "error: --environment: needs --pictures"),
         (["--samples", "4"], "error: --samples: needs --pictures"),
+        (["--probe-at", "0,0,0"], "error: --probe-at: needs --pictures"),
     ],
 )
 def test_wrong_input_ends_with_2_and_one_line(

@@ -9,8 +9,8 @@ import pytest
 import raysvc
 from raysvc.accel.registry import STRUCTURES
 from raysvc.frame.prepared import prepare
-from raysvc.frame.render import default_environment
 from raysvc.frame.settings import Settings
+from raysvc.frame.surroundings import default_environment
 from raysvc.frame.warm_up import specimen
 from raysvc.scene import Scene
 from tests.frame.subjects import still_life

@@ -23,6 +23,7 @@ def test_a_frame_after_the_specimen_compiles_nothing_new(mode: str) -> None:
     for shape in (scene, scene.deformed(2 * scene.positions)):
         raysvc.render(shape, camera=view, settings={"mode": mode, "samples": 1})
         raysvc.render(shape, camera=view, settings={"aa": "full", "texture_filter": "sat"})
+        raysvc.render(shape, {"probe_at": [-0.9, 0.8, 0.0], "size": 16}, view)
     assert compiled() == before
 
 
@@ -31,7 +32,7 @@ def compiled() -> dict[str, int]:
     from raysvc.frame import composite_kernels
     from raysvc.geometry import triangle_kernels
     from raysvc.lens import spread_kernels
-    from raysvc.lighting import clearcoat, direct_kernels, image_kernels
+    from raysvc.lighting import clearcoat, cube_map_kernels, direct_kernels, image_kernels
     from raysvc.reference import (
         environment_kernels,
         scattering_kernels,
@@ -53,6 +54,7 @@ def compiled() -> dict[str, int]:
         triangle_kernels,
         spread_kernels,
         clearcoat,
+        cube_map_kernels,
         direct_kernels,
         image_kernels,
         coat_kernels,

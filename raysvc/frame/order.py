@@ -1,0 +1,36 @@
+"""In which order the stages of a frame run.
+
+    hybrid      rasterise -> layers -> shadows -> occlusion -> probe -> reflections -> light
+                -> edges -> lens
+    reference   rasterise -> layers -> paths
+
+Every stage is timed by the caller.
+"""
+
+from typing import Final
+
+from raysvc.frame.antialias import antialias
+from raysvc.frame.paths import paths
+from raysvc.frame.probe_capture import probe
+from raysvc.frame.shared_rays import trace_beyond
+from raysvc.frame.stages import defocus, light, occlusion, rasterise, shadows, write_layers
+
+STAGES: Final = {
+    "hybrid": (
+        ("rasterise", rasterise),
+        ("layers", write_layers),
+        ("shadows", shadows),
+        ("occlusion", occlusion),
+        ("probe", probe),
+        ("reflections", trace_beyond),
+        ("light", light),
+        ("edges", antialias),
+        ("lens", defocus),
+    ),
+    "reference": (
+        ("rasterise", rasterise),
+        ("layers", write_layers),
+        ("paths", paths),
+    ),
+}
+"""What is done in each mode, in order."""
