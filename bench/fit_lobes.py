@@ -223,6 +223,7 @@ def free_of(node: Floats) -> Doubles:
 @kernel
 def respond(
     sharp: Doubles,
+    order: int,
     texels: Floats,
     sides: Ints,
     firsts: Ints,
@@ -238,6 +239,7 @@ def respond(
         for k in range(len(node)):
             r, g, b = round_lobe(
                 sharp,
+                order,
                 texels,
                 sides,
                 firsts,

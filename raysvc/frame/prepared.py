@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from raysvc.frame.kept import Kept
 from raysvc.frame.settings import Settings
 from raysvc.frame.shapes import fit_of, tables_of
-from raysvc.lighting.image_light import ImageLight
+from raysvc.lighting.image_light import Filtering, ImageLight
 from raysvc.lighting.lamps import Lamps, lamps_of
+from raysvc.parallel import Control
 from raysvc.reference.emitters import Emitters
 from raysvc.reference.environment import EnvironmentLight
 from raysvc.reference.paths import Lights
@@ -57,7 +58,14 @@ def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepa
     turned = settings.environment_yaw_deg, settings.environment_strength
     tables, had_tables = tables_of(scene)
     fit, had_fit = fit_of(scene, tables, settings.structure, settings.trees)
-    light, had_light = _LIGHTS.get(environment, turned, lambda: ImageLight(environment, *turned))
+    filtering = Filtering(
+        settings.ibl, settings.ibl_order, settings.sat_builder, settings.ibl_lobe_samples
+    )
+    light, had_light = _LIGHTS.get(
+        environment,
+        (turned, filtering),
+        lambda: ImageLight(environment, *turned, filtering, Control(settings.threads)),
+    )
     cached = had_tables and had_fit and had_light
     warnings: tuple[str, ...] = ()
     if settings.texture_filter == "sat" and settings.mode == "hybrid":

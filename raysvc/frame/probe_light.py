@@ -71,21 +71,23 @@ class ProbeLight:
     def _lobe_of(self, light: ImageLight, surface: Surface, seen: Floats) -> Floats:
         """(N, 3) of all light of a captured map, whether its tables hold it or not."""
         total = specular_lobe(light, surface, seen, self._lookups)
-        if light.sun is not None:
-            to_light, _, irradiance = arriving(light.sun, surface.position)
+        for sun in light.suns:
+            to_light, _, irradiance = arriving(sun, surface.position)
             without_diffuse = _as_metal(surface)
-            total += reflected(without_diffuse, to_light, irradiance, light.sun.angular_radius_rad)
+            total += reflected(without_diffuse, to_light, irradiance, sun.angular_radius_rad)
         return total
 
     def _add_sun_in_mirrors(self, surface: Surface, total: Floats) -> None:
-        """Add the base environment's sun to points (N, 3) in the mirror limit that look at it."""
-        sun = self._base.sun
+        """Add the base environment's suns to points (N, 3) in the mirror limit that look at it."""
         mirror = np.flatnonzero(surface.roughness <= MIRROR_ROUGHNESS)
-        if sun is None or not len(mirror):
+        if not self._base.suns or not len(mirror):
             return
         directions = mirror_rays(surface.chosen(mirror)).directions
-        reach = 2.0 * sun.angular_radius_rad + SUN_BORDER_RAD
-        point = mirror[directions @ np.array(sun.direction, np.float32) > np.cos(reach)]
+        looks = np.zeros(len(mirror), bool)
+        for sun in self._base.suns:
+            reach = 2.0 * sun.angular_radius_rad + SUN_BORDER_RAD
+            looks |= directions @ np.array(sun.direction, np.float32) > np.cos(reach)
+        point = mirror[looks]
         if not len(point):
             return
         looking = surface.chosen(point)

@@ -71,12 +71,18 @@ class Settings(BaseModel):
         gt=0,
         description="How far occlusion reaches, in metres; the scene's diagonal by default.",
     )
-    ibl: Literal["sat"] = Field(
+    ibl: Literal["sat", "sh9", "brute"] = Field(
         "sat",
-        description="How the environment is filtered: `sat` reads a summed-area table on the fly.",
+        description="How the environment is filtered: narrow lobes by summed-area tables, wide ones"
+        " by levels (`sat`); `sh9` takes diffuse light from nine spherical harmonics; `brute` sums "
+        "a thousand points of the map for each lobe, slowly.",
     )
-    ibl_order: Literal[1] = Field(
-        1, description="How often the table is integrated; 1 gives box filters."
+    ibl_order: Literal[2, 1, 3] = Field(
+        2,
+        description="How often the tables are integrated: boxes (1), tents, quadratic filters (3).",
+    )
+    sat_builder: Literal["fused", "doubling", "scan", "strips"] = Field(
+        "fused", description="How tables of order 1 are summed; all give the same."
     )
     ibl_lobe_samples: Literal[4, 1, 2, 8] = Field(
         4,

@@ -25,6 +25,11 @@ def ggx_lobes() -> LobeFamily:
     return LobeFamily(tuple(zonal), SIDES)
 
 
+def cosine_lobe() -> Doubles:
+    """Coefficients of the lobe of diffuse light."""
+    return ggx_lobes().zonal[COSINE]
+
+
 def from_above(cosine: Doubles, alpha: float) -> Doubles:
     """GGX's D of the half vector times N.L, without masking."""
     half2 = 0.5 + 0.5 * cosine

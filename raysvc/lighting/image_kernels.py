@@ -71,6 +71,7 @@ def diffuse_light(
 @kernel
 def specular_light(
     sharp: Doubles,
+    order: int,
     texels: Floats,
     sides: Ints,
     firsts: Ints,
@@ -133,6 +134,7 @@ def specular_light(
                 )
                 r, g, b = round_lobe(
                     sharp,
+                    order,
                     texels,
                     sides,
                     firsts,

@@ -1,16 +1,19 @@
 """An environment as a light: its sun apart, the rest filtered."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Final, Literal, get_args
 
 import numpy as np
 
 from raysvc.lighting import albedo
-from raysvc.lighting.ggx_lobes import COSINE, ggx_lobes
+from raysvc.lighting.brdf import MIRROR_ROUGHNESS
+from raysvc.lighting.brute_kernels import brute_diffuse, brute_specular
+from raysvc.lighting.ggx_lobes import COSINE, cosine_lobe, ggx_lobes
 from raysvc.lighting.image_kernels import diffuse_light, specular_light
 from raysvc.lighting.lobe_fit import fitted_lobes
-from raysvc.lighting.lobe_levels import DEGREE, LobeLevels
+from raysvc.lighting.lobe_levels import DEGREE, LobeFamily, LobeLevels
 from raysvc.lighting.phong_kernels import cone_radiances, phong_radiances
 from raysvc.lighting.phong_lobes import phong_lobes
 from raysvc.lighting.soft_map import soft_map
@@ -19,9 +22,31 @@ from raysvc.lighting.sphere_kernels import map_radiances
 from raysvc.lighting.sphere_table import sphere_table
 from raysvc.lighting.sun import SunLight, extract_suns
 from raysvc.lighting.zonal import ZonalMap, resampled
+from raysvc.parallel import Control
 from raysvc.scene import Environment
 from raysvc.shading.surface import Surface
 from raysvc.types import Floats
+
+Method = Literal["sat", "sh9", "brute"]
+METHODS: Final[tuple[Method, ...]] = get_args(Method)
+
+BRUTE_LOOKUPS = 1024
+"""Of a lobe by brute force."""
+
+
+@dataclass(frozen=True, slots=True)
+class Filtering:
+    """How an environment is filtered."""
+
+    method: Method = "sat"
+    """`sat`: narrow lobes out of summed-area tables, the others out of levels; `sh9`: the same,
+    but diffuse light from nine spherical harmonics; `brute`: many points of the map per lobe."""
+    order: int = 2
+    """Of the tables, 1 to 3: box, tent, quadratic."""
+    builder: str = "fused"
+    """Of the tables, one of `sat_builders.BUILDERS`."""
+    lookups: int = 4
+    """Round lobes per specular lobe, one of `lobe_fit.LOOKUPS`."""
 
 
 class ImageLight:
@@ -35,21 +60,38 @@ class ImageLight:
         turns it counter-clockwise seen from above
     strength
         scales all of its light
+    filtering
+        how lobes are looked up
+    control
+        threads on which it is made, one by default; the bits are the same with any number
     """
 
     def __init__(
-        self, environment: Environment, yaw_deg: float = 0.0, strength: float = 1.0
+        self,
+        environment: Environment,
+        yaw_deg: float = 0.0,
+        strength: float = 1.0,
+        filtering: Filtering | None = None,
+        control: Control | None = None,
     ) -> None:
         yaw = math.radians(yaw_deg)
         self._turn = (math.cos(yaw), math.sin(yaw))
         self._strength = float(strength)
+        self._filtering = filtering = filtering or Filtering()
         self._map = np.ascontiguousarray(environment.radiance)
         suns, self.rest = extract_suns(self._map)
         self._harmonics = ZonalMap.of(resampled(self.rest, 2 * DEGREE), DEGREE)
-        levels = LobeLevels.of(self._harmonics, ggx_lobes())
-        self._sharp = sphere_table(self.rest)
-        self.lobes = (self._sharp, *levels)
+        control = control or Control(threads=1)
+        levels = LobeLevels.of(self._harmonics, ggx_lobes(), control)
+        order, builder = filtering.order, filtering.builder
+        self._narrow = (sphere_table(self.rest, order, builder, control), order)
+        self.lobes = (*self._narrow, *levels)
         self._cosine = int(levels.sides[COSINE]), int(levels.firsts[COSINE])
+        if filtering.method == "sh9":
+            nine = LobeFamily((cosine_lobe()[:3],), (ggx_lobes().sides[COSINE],))
+            levels = LobeLevels.of(self._harmonics, nine)
+            self._cosine = int(levels.sides[0]), 0
+        self._diffuse = levels.texels
         self._albedo = albedo.albedo_tables()
         self.suns: tuple[SunLight, ...] = tuple(self._placed(sun) for sun in suns)
         """Small lights of the environment in the world; `diffuse` and `specular` are without."""
@@ -83,8 +125,10 @@ class ImageLight:
         """
         result = np.empty((len(directions), 3), np.float32)
         phong_radiances(
-            self._sharp,
-            *self._phong,
+            *self._narrow,
+            self._phong.texels,
+            self._phong.sides,
+            self._phong.firsts,
             directions,
             float(exponent),
             *self._turn,
@@ -101,8 +145,10 @@ class ImageLight:
         """
         result = np.empty((len(directions), 3), np.float32)
         cone_radiances(
-            self._sharp,
-            *self._phong,
+            *self._narrow,
+            self._phong.texels,
+            self._phong.sides,
+            self._phong.firsts,
             self._map,
             directions,
             half_width,
@@ -129,8 +175,19 @@ class ImageLight:
         (N, 3) float32
         """
         result = np.empty((surface.size, 3), np.float32)
+        if self._filtering.method == "brute":
+            brute_diffuse(
+                self.rest,
+                BRUTE_LOOKUPS,
+                self._albedo.diffuse,
+                *self._turn,
+                self._strength,
+                surface,
+                result,
+            )
+            return result
         diffuse_light(
-            self.lobes[1],
+            self._diffuse,
             *self._cosine,
             self._albedo.diffuse,
             *self._turn,
@@ -140,7 +197,7 @@ class ImageLight:
         )
         return result
 
-    def specular(self, surface: Surface, samples: int) -> Floats:
+    def specular(self, surface: Surface, lookups: int | None = None) -> Floats:
         """Radiance that the specular lobe returns, with nothing in the way.
 
         It is without the suns, except up to MIRROR_ROUGHNESS: there it is the map itself, suns
@@ -150,25 +207,45 @@ class ImageLight:
         ----------
         surface
             N points
-        samples
-            lookups per point, one of `lobe_fit.LOOKUPS`
+        lookups
+            round lobes per point, one of `lobe_fit.LOOKUPS`, instead of those of the filtering
 
         Returns
         -------
         (N, 3) float32
         """
         result = np.empty((surface.size, 3), np.float32)
+        if self._filtering.method == "brute":
+            self._brute_specular(surface, result)
+            return result
         specular_light(
             *self.lobes,
             self._map,
             self._albedo.specular,
-            fitted_lobes(samples),
+            fitted_lobes(lookups or self._filtering.lookups),
             *self._turn,
             self._strength,
             surface,
             result,
         )
         return result
+
+    def _brute_specular(self, surface: Surface, result: Floats) -> None:
+        """Write the specular lobe's radiance, a mirror's from the map itself."""
+        rough = surface.roughness > MIRROR_ROUGHNESS
+        for chosen, map_, lookups in ((rough, self.rest, BRUTE_LOOKUPS), (~rough, self._map, 1)):
+            index = np.flatnonzero(chosen)
+            part = np.empty((len(index), 3), np.float32)
+            brute_specular(
+                map_,
+                lookups,
+                self._albedo.specular,
+                *self._turn,
+                self._strength,
+                surface.chosen(index),
+                part,
+            )
+            result[index] = part
 
     def specular_albedo(self, surface: Surface) -> Floats:
         """Share (N, 3) float32 of constant light that the specular lobe returns."""

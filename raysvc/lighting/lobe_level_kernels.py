@@ -4,7 +4,7 @@ import math
 
 from raysvc.geometry.octahedral_kernels import octahedral_direction, octahedral_place
 from raysvc.jit import inlined, kernel
-from raysvc.lighting.sphere_kernels import box_radiance, map_radiance
+from raysvc.lighting.sphere_kernels import map_radiance, narrow_radiance
 from raysvc.types import Doubles, Floats, Ints
 
 
@@ -71,6 +71,7 @@ def lobe_radiance(
 @inlined
 def round_lobe(
     sharp: Doubles,
+    order: int,
     texels: Floats,
     sides: Ints,
     firsts: Ints,
@@ -82,14 +83,14 @@ def round_lobe(
 ) -> tuple[float, float, float]:
     """RGB under the round lobe of a level about a direction, not zero.
 
-    Below level 0 it is a box of the tables, of `narrowest` steradians at level 0 and half of it at
-    the next one below; between -1 and 0 box and lobe fade into each other.
+    Below level 0 it is a filter out of tables, of `narrowest` steradians at level 0 and half of
+    that at the next one below; between -1 and 0 filter and lobe fade into each other.
     """
     if level >= 0.0:
         return lobe_radiance(texels, sides, firsts, x, y, z, level)
     scale = 1.0 / math.sqrt(x * x + y * y + z * z)
     solid_angle = narrowest * math.exp(math.log(2.0) * level)
-    red, green, blue = box_radiance(sharp, x * scale, y * scale, z * scale, solid_angle)
+    red, green, blue = narrow_radiance(sharp, order, x * scale, y * scale, z * scale, solid_angle)
     if level > -1.0:
         part = level + 1.0
         r, g, b = lobe_radiance(texels, sides, firsts, x, y, z, 0.0)

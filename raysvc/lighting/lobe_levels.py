@@ -11,6 +11,7 @@ import numpy as np
 
 from raysvc.lighting.lobe_level_kernels import unfold
 from raysvc.lighting.zonal import ZonalMap
+from raysvc.parallel import Control, for_chunks
 from raysvc.types import Doubles, Floats, Ints
 
 DEGREE = 128
@@ -42,15 +43,20 @@ class LobeLevels(NamedTuple):
     """(levels,) first row of each image."""
 
     @staticmethod
-    def of(harmonics: ZonalMap, family: LobeFamily) -> "LobeLevels":
-        """Filter a map by all lobes of a family."""
+    def of(harmonics: ZonalMap, family: LobeFamily, control: Control | None = None) -> "LobeLevels":
+        """Filter a map by all lobes of a family, on one thread if there is no `control`."""
         sides = np.array(family.sides, np.int32)
         firsts = np.concatenate([[0], np.cumsum(sides + 2)[:-1]]).astype(np.int32)
         texels = np.zeros((int((sides + 2).sum()), int(sides.max()) + 2, 3), np.float32)
-        for k, zonal in enumerate(family.zonal):
-            coarse = bool((np.abs(zonal[COARSE[1] :]) < NEGLIGIBLE).all())
-            rows, degree = COARSE if coarse else FINE
-            image = harmonics.filtered(zonal[: degree + 1], rows, 2 * rows)
-            unfold(image.astype(np.float32), int(sides[k]), int(firsts[k]), texels)
+
+        def fill(begin: int, end: int) -> None:
+            for k in range(begin, end):
+                zonal = family.zonal[k]
+                coarse = bool((np.abs(zonal[COARSE[1] :]) < NEGLIGIBLE).all())
+                rows, degree = COARSE if coarse else FINE
+                image = harmonics.filtered(zonal[: degree + 1], rows, 2 * rows)
+                unfold(image.astype(np.float32), int(sides[k]), int(firsts[k]), texels)
+
+        for_chunks(len(sides), 1, fill, control or Control(threads=1))
         texels.setflags(write=False)
         return LobeLevels(texels, sides, firsts)

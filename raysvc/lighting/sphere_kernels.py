@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from raysvc.imaging.sat_kernels import periodic_box_rgb
+from raysvc.imaging.sat_spline_kernels import box_mean_rgb, quadratic_mean_rgb, tent_mean_rgb
 from raysvc.jit import inlined, kernel
 from raysvc.types import Doubles, Floats
 
@@ -39,13 +39,15 @@ def turns_of(across: float, ahead: float) -> float:
 
 @inlined
 def _cylinder_mean(
-    tables: Doubles, which: int, along: float, turn: float, solid_angle: float
+    tables: Doubles, order: int, which: int, along: float, turn: float, solid_angle: float
 ) -> tuple[float, float, float]:
-    """Mean radiance over a box of a cylinder, square on the sphere, never smaller than a texel.
+    """RGB under a filter with the variance of a box that is square on the sphere.
 
     Takes the direction as its part along the axis and its turn to the right of the centre column.
+    The box is never smaller than a texel.
     """
-    rows, columns = tables.shape[1] - 1, tables.shape[2] - 1
+    edge = 1 if order == 1 else order + 1
+    rows, columns = tables.shape[1] - edge, tables.shape[2] - edge
     # A square of half height h has 4 sin^2 h steradians, exactly while it clears the axis
     sin_h = min(0.5 * math.sqrt(solid_angle), MAX_SINE)
     cos_h = math.sqrt(1.0 - sin_h * sin_h)
@@ -55,33 +57,36 @@ def _cylinder_mean(
     wide = solid_angle / (high - low) * (0.5 / math.pi)
 
     half_rows = 0.5 * max((high - low) * 0.5 * rows, 1.0)
-    middle = (0.5 - 0.25 * (high + low)) * rows
-    middle = min(max(middle, half_rows), rows - half_rows)
-    wide = min(max(wide * columns, 1.0), columns * 1.0)
-    left = (turn + 0.5) * columns - 0.5 * wide
-    red, green, blue = periodic_box_rgb(
-        tables, which, middle - half_rows, middle + half_rows, left, wide
-    )
-    scale = 0.5 / (half_rows * wide)
-    return red * scale, green * scale, blue * scale
+    row = min(max((0.5 - 0.25 * (high + low)) * rows, half_rows), rows - half_rows)
+    half_columns = 0.5 * min(max(wide * columns, 1.0), columns * 1.0)
+    column = (turn + 0.5) * columns
+    # The variance of n boxes is n times that of one
+    if order == 1:
+        return box_mean_rgb(tables, which, row, column, half_rows, half_columns)
+    if order == 2:
+        half_rows, half_columns = half_rows * math.sqrt(0.5), half_columns * math.sqrt(0.5)
+        return tent_mean_rgb(tables, which, row, column, half_rows, half_columns)
+    half_rows, half_columns = half_rows * math.sqrt(1 / 3), half_columns * math.sqrt(1 / 3)
+    return quadratic_mean_rgb(tables, which, row, column, half_rows, half_columns)
 
 
-@inlined
-def box_radiance(
-    sharp: Doubles, x: float, y: float, z: float, solid_angle: float
+@kernel
+def narrow_radiance(
+    tables: Doubles, order: int, x: float, y: float, z: float, solid_angle: float
 ) -> tuple[float, float, float]:
     """Mean RGB over about `solid_angle` steradians around the unit direction (x, y, z).
 
-    `sharp` is that of `sphere_table.SphereTable`.
+    Tables are those of `sphere_table` of that order; of order 2 and 3 the filter reaches farther
+    than the box, with its variance, and must not reach an axis: up to 0.1 steradians.
     """
-    band_begin, band_end = BAND
-    share = min(max((band_end - abs(y)) / (band_end - band_begin), 0.0), 1.0)
+    begin, end = BAND
+    share = min(max((end - abs(y)) / (end - begin), 0.0), 1.0)
     share = share * share * (3.0 - 2.0 * share)
     red, green, blue = 0.0, 0.0, 0.0
     if share > 0.0:
-        red, green, blue = _cylinder_mean(sharp, 0, y, turns_of(x, -z), solid_angle)
+        red, green, blue = _cylinder_mean(tables, order, 0, y, turns_of(x, -z), solid_angle)
     if share < 1.0:
-        r, g, b = _cylinder_mean(sharp, 1, x, turns_of(y, -z), solid_angle)
+        r, g, b = _cylinder_mean(tables, order, 1, x, turns_of(y, -z), solid_angle)
         red, green, blue = r + (red - r) * share, g + (green - g) * share, b + (blue - b) * share
     return red, green, blue
 

@@ -12,8 +12,10 @@ import math
 import numpy as np
 
 from raysvc.imaging.sat import summed_area_table
+from raysvc.imaging.sat_orders import integrated
 from raysvc.lighting.lat_long import texel_solid_angles
 from raysvc.lighting.sphere_kernels import spread_to_x_cylinder
+from raysvc.parallel import Control
 from raysvc.types import Doubles, Floats
 
 MAX_COLUMNS = 2048
@@ -21,18 +23,28 @@ MAX_COLUMNS = 2048
 MIN_COLUMNS = 64
 
 
-def sphere_table(radiance: Floats) -> Doubles:
-    """Tables of a lat-long map (H, W, 3) for `sphere_kernels.box_radiance`.
+def sphere_table(
+    radiance: Floats, order: int = 1, builder: str = "fused", control: Control | None = None
+) -> Doubles:
+    """Tables of a lat-long map (H, W, 3) for `sphere_kernels.narrow_radiance`.
 
-    The one around Y holds exactly the light of the map; the other one is resampled, the light
-    of every texel shared out over the texels that it meets.
-    Constant maps give constant tables.
+    The cylinder around Y holds exactly the light of the map; the other one is resampled, the light
+    of every texel shared out over the texels that it meets. Constant maps give constant tables.
+
+    Parameters
+    ----------
+    order
+        of the filters, 1 to 3
+    builder
+        of tables of order 1, one of `sat_builders.BUILDERS`
+    control
+        threads and stopping, one thread by default
 
     Returns
     -------
-    (2, rows+1, columns+1, 3) float64, read-only, as `summed_area_table` makes them, over images
-    whose texels have the same solid angle. Row 0 is at +axis; the centre column is what is seen
-    along -Z; to its right is +X around Y, and +Y around X.
+    (2, ...) float64, read-only: the tables that `sat_orders.integrated` makes of both cylinders,
+    images (rows, columns, 3) whose texels have the same solid angle. Row 0 is at +axis; the centre
+    column is what is seen along -Z; to its right is +X around Y, and +Y around X.
     """
     columns = min(max(radiance.shape[1], MIN_COLUMNS), MAX_COLUMNS)
     rows = columns // 2
@@ -40,17 +52,22 @@ def sphere_table(radiance: Floats) -> Doubles:
     height = len(radiance)
     detail = 2 if height >= rows else math.ceil(2 * rows / height)
     spread_to_x_cylinder(radiance, detail, shared)
-    around_y = _resampled_to_y_cylinder(radiance, rows, columns)
-    tables = np.stack([around_y, summed_area_table(_radiance_of_shares(shared))])
+    images = _y_cylinder(radiance, rows, columns, builder, control), _radiance_of_shares(shared)
+    if order == 1:
+        tables = np.stack([summed_area_table(i, builder, control=control) for i in images])
+    else:
+        tables = np.stack([integrated(image, order, control) for image in images])
     tables.setflags(write=False)
     return tables
 
 
-def _resampled_to_y_cylinder(radiance: Floats, rows: int, columns: int) -> Doubles:
-    """Table (rows+1, columns+1, 3) of the cylinder around Y, read out of the map's own table."""
+def _y_cylinder(
+    radiance: Floats, rows: int, columns: int, builder: str, control: Control | None
+) -> Doubles:
+    """Cylinder around Y (rows, columns, 3), read out of the map's own table."""
     height, width, _ = radiance.shape
     per_row = texel_solid_angles(height, width)
-    table = summed_area_table(radiance * per_row[:, None, None])
+    table = summed_area_table(radiance * per_row[:, None, None], builder, control=control)
     # Sums grow linearly with the cosine inside a row of texels, and with the column
     edges = np.cos(np.arange(height + 1) * (math.pi / height))
     wanted = 1.0 - 2.0 * np.arange(rows + 1) / rows
@@ -58,7 +75,8 @@ def _resampled_to_y_cylinder(radiance: Floats, rows: int, columns: int) -> Doubl
     if columns != width:
         across = np.arange(columns + 1) * (width / columns)
         table = _interpolated(table.transpose(1, 0, 2), across).transpose(1, 0, 2)
-    return np.ascontiguousarray(table) * (rows * columns / (4.0 * math.pi))
+    image: Doubles = np.diff(np.diff(table, axis=0), axis=1) * (rows * columns / (4.0 * math.pi))
+    return image
 
 
 def _interpolated(table: Doubles, positions: Doubles) -> Doubles:

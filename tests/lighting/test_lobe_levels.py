@@ -34,6 +34,7 @@ def look_narrow(sharp, levels, direction, level, narrowest, result):
     for i in range(len(level)):
         r, g, b = round_lobe(
             sharp,
+            1,
             levels[0],
             levels[1],
             levels[2],

@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 
 from raysvc.jit import kernel
-from raysvc.lighting.sphere_kernels import box_radiance, map_radiances
+from raysvc.lighting.sphere_kernels import map_radiances, narrow_radiance
 from raysvc.lighting.sphere_table import sphere_table
 from tests.lighting.surfaces import random_directions
 from tests.oracles.lobe import map_directions
 
 
 @kernel
-def look(sharp, directions, solid_angle, result):
+def look(sharp, order, directions, solid_angle, result):
     for i in range(len(directions)):
         x, y, z = directions[i, 0], directions[i, 1], directions[i, 2]
-        r, g, b = box_radiance(sharp, x, y, z, solid_angle)
+        r, g, b = narrow_radiance(sharp, order, x, y, z, solid_angle)
         result[i, 0], result[i, 1], result[i, 2] = r, g, b
 
 
-def means(table, directions, solid_angle):
+def means(table, directions, solid_angle, order=1):
     result = np.empty((len(directions), 3))
-    look(table, directions, solid_angle, result)
+    look(table, order, directions, solid_angle, result)
     return result
 
 
