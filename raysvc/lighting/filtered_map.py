@@ -31,7 +31,7 @@ MAX_HEIGHT: Final = 1024
 """Of a filtered map; time goes as the cube of the height."""
 
 ROWS_PER_LOBE: Final = 6.0
-"""Rows of the map that is read, times alpha: lobes are then 4 texels wide at half their height, and
+"""Rows of the map that is read, times alpha: lobes are then 5 texels wide at half their height, and
 a wave that such a map cannot hold is damped to e^-12."""
 FEWEST_ROWS: Final = 64
 """That the map that is read has at least, for the kink of N.L at the horizon."""
