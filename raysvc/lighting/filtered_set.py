@@ -41,13 +41,7 @@ class FilteredMaps:
         A single map has the channels R, G, B in `exr`, several are layers by their names; `npz`
         holds arrays by name. `png` is tone mapped, to be looked at.
         """
-        if format not in FORMATS:
-            raise InvalidSetting(f"{format!r} is not one of {', '.join(FORMATS)}", field="format")
-        if len(self.maps) != 1 and format not in FORMATS_OF_SEVERAL:
-            several = " or ".join(FORMATS_OF_SEVERAL)
-            raise InvalidSetting(
-                f"{format} holds one map, not {len(self.maps)}; use {several}", field="format"
-            )
+        check_format(format, len(self.maps))
         if format == "npz":
             return encode_npz(self.maps)
         if format == "exr" and len(self.maps) > 1:
@@ -56,6 +50,15 @@ class FilteredMaps:
         if format == "exr":
             return encode_exr({"beauty": only})
         return encode_hdr(only) if format == "hdr" else encode_png(display8(only, TONE_MAP))
+
+
+def check_format(format: str, count: int) -> None:
+    """Raise InvalidSetting for a format that there is not, or that does not hold so many maps."""
+    if format not in FORMATS:
+        raise InvalidSetting(f"{format!r} is not one of {', '.join(FORMATS)}", field="format")
+    if count > 1 and format not in FORMATS_OF_SEVERAL:
+        several = " or ".join(FORMATS_OF_SEVERAL)
+        raise InvalidSetting(f"{format} holds one map, not {count}; use {several}", field="format")
 
 
 def filtered_maps(
