@@ -10,10 +10,12 @@ from raysvc.errors import DeadlineExceeded, InvalidSetting, LimitExceeded
 from raysvc.lighting.area_resampling import resampled
 from raysvc.lighting.brdf import MIRROR_ROUGHNESS
 from raysvc.lighting.filtered_map import filtered_map, irradiance_map, lobe_integral
+from raysvc.lighting.image_light import ImageLight
 from raysvc.lighting.spherical_harmonics import cosine_factors, evaluate, projected
 from raysvc.lighting.sun import extract_sun
 from raysvc.parallel import Control
 from raysvc.scene import Environment
+from tests.lighting.surfaces import surface_of
 from tests.oracles.filtered_light import filtered, irradiance
 from tests.oracles.lobe import map_directions
 
@@ -122,6 +124,18 @@ def test_irradiance_is_that_of_brute_force_with_the_sun_to_the_horizon():
     many = evaluate(projected(rest, 12) * cosine_factors(12)[:, None], directions)
     smooth = irradiance_map(Environment(rest.copy()), 32, 16).reshape(-1, 3)
     np.testing.assert_allclose(smooth, many, rtol=1e-3)
+
+
+def test_narrow_lobes_are_those_that_surfaces_are_lit_by():
+    # Wide ones differ: there a surface's lobe has G2 in it, and the map's N.L
+    directions, _ = map_directions(32, 64)
+    smooth = 1.0 + 0.5 * np.sin(5 * directions) * directions[:, [1, 2, 0]]
+    environment = Environment(smooth.reshape(32, 64, 3).astype(np.float32))
+    light = ImageLight(environment, 35.0, 3.0)
+    surface = surface_of(directions, directions, 1.0, 1.0, 0.25)
+    expected = light.specular(surface, 64) / light.specular_albedo(surface)
+    found = filtered_map(environment, 0.25, 64, 32, yaw_deg=35.0, strength=3.0)
+    np.testing.assert_allclose(found.reshape(-1, 3), expected, rtol=0.05)
 
 
 @pytest.mark.parametrize("alpha", [1e-3, 0.05, 0.5, 0.99, 0.9998, 1.0])
