@@ -73,9 +73,11 @@ def filter_environment(
     with progress_bar(environment) as report:
         report("loading", 0.0)
         light = load_environment(environment)
-        filtered = None
-        if output is not None:
-            try:
+        filtered, nine = None, None
+        try:
+            if harmonics is not None:
+                nine = sh9(light, yaw, strength)
+            if output is not None:
                 filtered = filtered_maps(
                     light,
                     asked,
@@ -86,15 +88,15 @@ def filter_environment(
                     limits=UNSHARED,
                     control=Control(on_progress=report),
                 )
-            except InvalidInput as error:
-                error.field = OPTIONS.get(error.field or "", error.field)
-                raise
+        except InvalidInput as error:
+            error.field = OPTIONS.get(error.field or "", error.field)
+            raise
     if filtered is not None and output is not None:
         for path, part in _files(output, filtered):
             path.write_bytes(part.encode(path.suffix.lower().lstrip(".")))
             typer.echo(f"{path}: {width_height[0]}x{width_height[1]}", err=True)
-    if harmonics is not None:
-        text = json.dumps(sh9(light, yaw, strength).to_dict(), indent=2) + "\n"
+    if harmonics is not None and nine is not None:
+        text = json.dumps(nine.to_dict(), indent=2) + "\n"
         if harmonics == STANDARD_OUTPUT:
             typer.echo(text, nl=False)
         else:

@@ -19,7 +19,7 @@ import numpy as np
 from raysvc.errors import InvalidSetting, LimitExceeded
 from raysvc.lighting.area_resampling import resampled
 from raysvc.lighting.brdf import MIRROR_ROUGHNESS, ggx_alpha
-from raysvc.lighting.lat_long import texel_directions, texel_solid_angles
+from raysvc.lighting.lat_long import check_turned, texel_directions, texel_solid_angles
 from raysvc.lighting.lobe_filter_kernels import add_products, add_sun, parallel_lobes
 from raysvc.lighting.sun import SunLight, extract_sun
 from raysvc.parallel import Control, for_chunks
@@ -78,11 +78,12 @@ def filtered_map(
     Raises
     ------
     InvalidSetting, LimitExceeded
-        naming `roughness`, `width` or `height`
+        naming `roughness`, `width`, `height`, `yaw_deg` or `strength`
     """
     if not 0.0 <= roughness <= 1.0:
         raise InvalidSetting(f"must be 0 to 1, is {roughness}", field="roughness")
     check_size(width, height)
+    check_turned(yaw_deg, strength)
     control = control or Control()
     if roughness <= MIRROR_ROUGHNESS:
         control.check()

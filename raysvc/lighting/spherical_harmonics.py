@@ -23,6 +23,7 @@ from typing import Any, Final
 import numpy as np
 
 from raysvc.errors import InvalidSetting
+from raysvc.lighting.lat_long import check_turned
 from raysvc.lighting.spherical_harmonics_kernels import row_waves
 from raysvc.scene import Environment
 from raysvc.types import Doubles, Floats
@@ -163,7 +164,11 @@ class Sh9:
 
 
 def sh9(environment: Environment, yaw_deg: float = 0.0, strength: float = 1.0) -> Sh9:
-    """Return the nine harmonics of an environment, sun included, turned and scaled."""
+    """Return the nine harmonics of an environment, sun included, turned and scaled.
+
+    Raises InvalidSetting naming `yaw_deg` or `strength`.
+    """
+    check_turned(yaw_deg, strength)
     radiance = strength * projected(environment.radiance, 2, yaw_deg)
     return Sh9(radiance, radiance * cosine_factors(2)[:, None])
 

@@ -68,6 +68,8 @@ def test_harmonics_are_printed_or_written(tmp_path: Path, capsys: Capture) -> No
         (["-o", "x.exr", "-r", "0.5", "--size", "9000x8"], "--size: must be at most 4,096"),
         (["-o", "x.exr", "-r", "0.5", "--size", "8x0"], "--size: must be at least 1"),
         (["-o", "x.exr", "-r", "0.5", "--size", "big"], "--size: write WIDTHxHEIGHT"),
+        (["--sh9", "x.json", "--yaw", "nan"], "Invalid value for '--yaw'"),
+        (["-o", "x.exr", "-r", "0.5", "--strength", "nan"], "Invalid value for '--strength'"),
         (["--sh9", "x.txt"], "--sh9: must end in .json"),
     ],
 )

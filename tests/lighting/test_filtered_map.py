@@ -11,7 +11,7 @@ from raysvc.lighting.area_resampling import resampled
 from raysvc.lighting.brdf import MIRROR_ROUGHNESS
 from raysvc.lighting.filtered_map import filtered_map, irradiance_map, lobe_integral
 from raysvc.lighting.image_light import ImageLight
-from raysvc.lighting.spherical_harmonics import cosine_factors, evaluate, projected
+from raysvc.lighting.spherical_harmonics import cosine_factors, evaluate, projected, sh9
 from raysvc.lighting.sun import extract_sun
 from raysvc.parallel import Control
 from raysvc.scene import Environment
@@ -176,6 +176,21 @@ def test_what_cannot_be_is_refused_by_name(pixels, roughness, size, kind, field)
     with pytest.raises(kind) as caught:
         filtered_map(Environment(pixels), roughness, *size)
     assert caught.value.field == field
+
+
+@pytest.mark.parametrize(
+    ("turned", "field"),
+    [
+        ({"yaw_deg": math.nan}, "yaw_deg"),
+        ({"strength": -1.0}, "strength"),
+        ({"strength": math.inf}, "strength"),
+    ],
+)
+def test_what_cannot_turn_or_scale_is_refused_by_name(pixels, turned, field):
+    for work in (lambda e: filtered_map(e, 0.5, 8, 4, **turned), lambda e: sh9(e, **turned)):
+        with pytest.raises(InvalidSetting) as caught:
+            work(Environment(pixels))
+        assert caught.value.field == field
 
 
 def test_a_deadline_ends_it(pixels):
