@@ -13,9 +13,11 @@ from api import problems
 from api.body_limit import BodyLimit
 from api.comparison_schemas import ComparisonBody
 from api.context import Context
+from api.filter_schemas import FilteredBody
 from api.routes import (
     comparisons,
     environments,
+    filtered,
     health,
     one_shot,
     pages,
@@ -65,6 +67,7 @@ def create_app(
         scenes,
         positions,
         environments,
+        filtered,
         renders,
         one_shot,
         comparisons,
@@ -84,9 +87,9 @@ def _openapi(app: FastAPI) -> dict[str, Any]:
         schema = get_openapi(
             title=app.title, version=app.version, summary=app.summary, routes=app.routes
         )
-        for model in (RenderBody, ComparisonBody):
+        for model in (RenderBody, ComparisonBody, FilteredBody):
             body = model.model_json_schema(ref_template="#/components/schemas/{model}")
-            parts = body.pop("$defs")
+            parts = body.pop("$defs", {})
             schema["components"]["schemas"] |= {model.__name__: body, **parts}
         app.openapi_schema = schema
     return app.openapi_schema

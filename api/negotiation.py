@@ -1,6 +1,7 @@
 """Accept, Prefer and If-None-Match: what a client would like, as HTTP says it."""
 
 import re
+from collections.abc import Mapping
 from typing import Final
 
 from api.problems import NotAcceptable
@@ -20,18 +21,21 @@ ALIASES: Final = {"image/exr": "image/x-exr", "image/jpg": "image/jpeg"}
 _WAIT = re.compile(r"(?:^|[,;])\s*wait\s*=\s*\"?(\d{1,9})\"?\s*(?=[,;]|$)", re.IGNORECASE)
 
 
-def format_for(accept: str | None) -> str:
-    """Choose a format by an Accept header (RFC 9110, section 12.5.1). Raises NotAcceptable."""
+def format_for(accept: str | None, media_types: Mapping[str, str] = MEDIA_TYPES) -> str:
+    """Choose a format by an Accept header (RFC 9110, section 12.5.1). Raises NotAcceptable.
+
+    Where the client does not mind, it is the first of `media_types`.
+    """
     if not accept or not accept.strip():
-        return "png"
+        return next(iter(media_types))
     wanted = [_media_range(part) for part in accept.split(",") if part.strip()]
     best, best_quality = None, 0.0
-    for format, media_type in MEDIA_TYPES.items():
+    for format, media_type in media_types.items():
         quality = _quality(media_type, wanted)
         if quality > best_quality:
             best, best_quality = format, quality
     if best is None:
-        known = ", ".join(dict.fromkeys(MEDIA_TYPES.values()))
+        known = ", ".join(dict.fromkeys(media_types.values()))
         raise NotAcceptable(f"there is {known}", field="Accept")
     return best
 

@@ -76,6 +76,11 @@ class ApiSettings(BaseSettings):
     max_paths: int = Field(
         DEFAULT_LIMITS.max_paths, ge=1, description="Pixels times samples in reference mode."
     )
+    max_filtered_texels: int = Field(
+        DEFAULT_LIMITS.max_filtered_texels,
+        ge=1,
+        description="All maps together that an environment is filtered to by one request.",
+    )
     max_comparison_rays: int = Field(
         DEFAULT_LIMITS.max_comparison_rays, ge=1, description="Rays of a comparison."
     )
@@ -91,6 +96,7 @@ class ApiSettings(BaseSettings):
             max_image_pixels=self.max_image_pixels,
             max_image_side=self.max_image_side,
             max_paths=self.max_paths,
+            max_filtered_texels=self.max_filtered_texels,
             max_comparison_rays=self.max_comparison_rays,
         )
 

@@ -12,11 +12,13 @@ from PIL import Image
 import raysvc
 from raysvc.builtin.lat_long import texel_directions
 from raysvc.imaging.layer_picture import layer_picture
+from raysvc.imaging.tone_map import display8
 from raysvc.scene import Environment, PunctualLight
 
 IMAGES = Path(__file__).parent / "images"
 STRIP = ("albedo", "normal", "depth", "id", "occlusion", "edge")
 SUN, SUN_RADIUS_RAD = (-0.6, 0.6, -0.45), np.radians(3.0)
+FILTERED = (0.0, 0.15, 0.3, 0.5, 0.75)
 ENVIRONMENTS = ("clear_sky", "studio", "gradient")
 
 
@@ -100,6 +102,18 @@ def glass() -> None:
     _save("glass", frame.display()[..., :3])
 
 
+def filtered() -> None:
+    """Two environments, filtered for a row of roughnesses, and their irradiance over pi."""
+    rows = []
+    for name in ("clear_sky", "studio"):
+        environment = raysvc.load_environment(f"builtin:{name}")
+        maps = [raysvc.filtered_map(environment, r, 256, 128) for r in FILTERED]
+        maps.append(raysvc.irradiance_map(environment, 256, 128) / np.float32(np.pi))
+        shown = [display8(picture, "pbr_neutral") for picture in maps]
+        rows += [np.hstack(shown[:3]), np.hstack(shown[3:])]
+    _save("filtered", np.vstack(rows))
+
+
 def _save(name: str, picture: np.ndarray) -> None:
     Image.fromarray(picture).save(IMAGES / f"{name}.png", optimize=True)
 
@@ -112,3 +126,4 @@ if __name__ == "__main__":
     shadows()
     cornell()
     glass()
+    filtered()

@@ -24,6 +24,8 @@ from raysvc.frame.frame import Frame
 from raysvc.frame.render import render
 from raysvc.frame.settings import Settings
 from raysvc.frame.view import View
+from raysvc.lighting.filtered_map import filtered_map, irradiance_map
+from raysvc.lighting.spherical_harmonics import Sh9, sh9
 from raysvc.loading import load_environment
 from raysvc.loading import load_scene as load
 from raysvc.scene import Environment, Scene
@@ -34,9 +36,13 @@ __all__ = [
     "Frame",
     "Scene",
     "Settings",
+    "Sh9",
     "View",
     "__version__",
+    "filtered_map",
+    "irradiance_map",
     "load",
     "load_environment",
     "render",
+    "sh9",
 ]

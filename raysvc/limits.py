@@ -40,6 +40,8 @@ class Limits:
     """Width or height of a picture to render."""
     max_paths: int = 1 << 32
     """Pixels times samples of a picture in reference mode."""
+    max_filtered_texels: int = 1 << 20
+    """All maps together that an environment is filtered to at once."""
     max_comparison_rays: int = 10_000_000
     """Rays with which structures are compared."""
     max_brute_tests: int = 200_000_000

@@ -9,6 +9,7 @@ import typer
 from raysvc.cli.bench import bench
 from raysvc.cli.compare import compare
 from raysvc.cli.demo import demo
+from raysvc.cli.filter import filter_environment
 from raysvc.cli.inspect import inspect
 from raysvc.cli.render import render
 from raysvc.cli.serve import serve
@@ -28,6 +29,7 @@ app = typer.Typer(
 )
 for command in (serve, render, compare, inspect, warmup, demo):
     app.command()(command)
+app.command("filter")(filter_environment)
 app.add_typer(bench)
 
 

@@ -32,10 +32,8 @@ def camera_mapping(path: Path | None, size: str | None) -> dict[str, Any]:
     """Read a camera from a JSON file, and its size from WxH."""
     camera: dict[str, Any] = {} if path is None else _object_in(path)
     if size is not None:
-        found = re.fullmatch(r"(\d{1,9})x(\d{1,9})", size)
-        if found is None:
-            raise InvalidSetting(f"write WIDTHxHEIGHT, not {size!r}", field="--size")
-        camera |= {"width": int(found.group(1)), "height": int(found.group(2))}
+        width, height = size_of(size)
+        camera |= {"width": width, "height": height}
     return camera
 
 
@@ -55,6 +53,14 @@ def probe_mapping(
         probe["without"] = [int(name) if name.isdecimal() else name for name in without]
     checked(Probe, probe, FIELD)
     return probe
+
+
+def size_of(size: str) -> tuple[int, int]:
+    """Read width and height from WxH."""
+    found = re.fullmatch(r"(\d{1,9})x(\d{1,9})", size)
+    if found is None:
+        raise InvalidSetting(f"write WIDTHxHEIGHT, not {size!r}", field="--size")
+    return int(found.group(1)), int(found.group(2))
 
 
 def checked_output(path: Path) -> Path:

@@ -1,4 +1,4 @@
-"""Pictures to files in memory: PNG (8 and 16 bits), JPEG, WebP.
+"""Pictures to files in memory: PNG (8 and 16 bits), JPEG, WebP, and Radiance .hdr.
 
 The same array gives the same bytes: no format gets a date, a host name or the name of the software.
 """
@@ -13,7 +13,7 @@ from PIL import Image
 
 from raysvc.errors import RaysvcError
 from raysvc.imaging.tone_map import Words
-from raysvc.types import Bytes
+from raysvc.types import Bytes, Floats
 
 JPEG_QUALITY = 92
 WEBP_QUALITY = 90
@@ -27,23 +27,33 @@ def encode_png(picture: Bytes) -> bytes:
 
 
 def encode_png16(picture: Words) -> bytes:
-    """PNG with 16 bits per channel of (H, W, 3|4) uint16 sRGB; alpha is straight.
-
-    Pillow has no 16-bit colour and OpenImageIO's Python binding writes to files only,
-    hence the folder.
-    """
+    """PNG with 16 bits per channel of (H, W, 3|4) uint16 sRGB, which Pillow has not; alpha is
+    straight."""
     height, width, channels = picture.shape
     spec = OpenImageIO.ImageSpec(width, height, channels, OpenImageIO.UINT16)
     spec.attribute("oiio:ColorSpace", "sRGB")
     spec.attribute("oiio:UnassociatedAlpha", 1)
-    with tempfile.TemporaryDirectory(prefix="raysvc-png16-") as folder:
-        path = Path(folder, "picture.png")
+    return _written(picture, spec, "picture.png", "a 16-bit PNG")
+
+
+def encode_hdr(radiance: Floats) -> bytes:
+    """Radiance .hdr of (H, W, 3) float32 linear Rec.709, not negative: 8 bits a channel with a
+    common exponent."""
+    height, width, _ = radiance.shape
+    spec = OpenImageIO.ImageSpec(width, height, 3, OpenImageIO.FLOAT)
+    return _written(radiance, spec, "picture.hdr", "a Radiance .hdr")
+
+
+def _written(picture: Words | Floats, spec: OpenImageIO.ImageSpec, name: str, what: str) -> bytes:
+    """Return what OpenImageIO writes, whose Python binding writes to files only."""
+    with tempfile.TemporaryDirectory(prefix="raysvc-picture-") as folder:
+        path = Path(folder, name)
         writer = OpenImageIO.ImageOutput.create(str(path))
         if writer is None or not writer.open(str(path), spec):
-            raise RaysvcError(f"cannot write a 16-bit PNG: {OpenImageIO.geterror()}")
+            raise RaysvcError(f"cannot write {what}: {OpenImageIO.geterror()}")
         written = writer.write_image(np.ascontiguousarray(picture))
         if not (writer.close() and written):
-            raise RaysvcError(f"cannot write a 16-bit PNG: {writer.geterror()}")
+            raise RaysvcError(f"cannot write {what}: {writer.geterror()}")
         return path.read_bytes()
 
 

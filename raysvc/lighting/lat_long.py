@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from raysvc.errors import InvalidSetting
 from raysvc.types import Doubles
 
 
@@ -38,3 +39,11 @@ def texel_solid_angles(height: int, width: int) -> Doubles:
     edges = np.cos(np.arange(height + 1) * (math.pi / height))
     angles: Doubles = (edges[:-1] - edges[1:]) * (math.tau / width)
     return angles
+
+
+def check_turned(yaw_deg: float, strength: float) -> None:
+    """Raise InvalidSetting for what cannot turn and scale a map."""
+    if not math.isfinite(yaw_deg):
+        raise InvalidSetting(f"must be a finite number, is {yaw_deg}", field="yaw_deg")
+    if not 0.0 <= strength < math.inf:
+        raise InvalidSetting(f"must be finite and not negative, is {strength}", field="strength")

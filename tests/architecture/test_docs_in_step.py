@@ -7,6 +7,7 @@ import pytest
 import typer
 
 from api.app import create_app
+from api.filter_schemas import FilteredBody
 from api.problems import PROBLEMS
 from api.settings import ApiSettings
 from raysvc.cli.app import app as command_line
@@ -22,6 +23,12 @@ COMMAND_LINE = (DOCS / "command_line.md").read_text(encoding="utf-8")
 @pytest.mark.parametrize("name", [*Settings.model_fields, *View.model_fields, *Probe.model_fields])
 def test_every_camera_probe_and_setting_field_is_documented(name: str) -> None:
     assert f"| `{name}` |" in HTTP
+
+
+@pytest.mark.parametrize("name", FilteredBody.model_fields)
+def test_every_field_of_a_filtering_is_documented(name: str) -> None:
+    section = HTTP.partition("### Filtering an environment")[2].partition("\n### ")[0]
+    assert f"| `{name}` |" in section
 
 
 @pytest.mark.parametrize("name", ApiSettings.model_fields)

@@ -11,9 +11,16 @@ import pytest
 from PIL import Image
 
 from raysvc.errors import InvalidInput
-from raysvc.imaging.encode import encode_jpeg, encode_png, encode_png16, encode_webp
+from raysvc.imaging.encode import (
+    encode_hdr,
+    encode_jpeg,
+    encode_png,
+    encode_png16,
+    encode_webp,
+)
 from raysvc.imaging.encode_layers import encode_exr, encode_npz
 from raysvc.imaging.layer_picture import layer_picture
+from raysvc.loading import load_environment
 
 SIZE = (37, 53)
 
@@ -171,3 +178,13 @@ def test_depth_is_brightest_where_it_is_nearest():
 def test_normals_are_shown_around_grey():
     shown = layer_picture("normal", np.float32([[[0, 0, 1], [-1, 0, 0]]]))
     assert shown[0].tolist() == [[128, 128, 255], [0, 128, 128]]
+
+
+@pytest.mark.parametrize("size", [(3, 5), (16, 40)])
+def test_a_radiance_file_keeps_radiance_to_its_shared_exponent(rng, size):
+    radiance = (10.0 ** rng.uniform(-3, 5, (*size, 3))).astype(np.float32)
+    data = encode_hdr(radiance)
+    assert data == encode_hdr(radiance.copy())
+    found = load_environment({"light.hdr": data}).radiance
+    step = radiance.max(axis=2, keepdims=True) / 128
+    assert (np.abs(found - radiance) <= step).all()
