@@ -12,14 +12,16 @@ from raysvc.cli.progress import progress_bar
 from raysvc.cli.tables import bench_table, frame_tables, sat_tables, show
 from raysvc.compare.benchmark import bench_structures
 from raysvc.compare.frame_scaling import SERIES, bench_frame
+from raysvc.compare.light_errors import DIRECTIONS
 from raysvc.compare.sat_benchmark import SIZE, bench_sat
 from raysvc.frame.settings import checked, settings_from
 from raysvc.frame.view import View
-from raysvc.loading import load_scene
+from raysvc.loading import load_environment, load_scene
 from raysvc.parallel import Control
 from raysvc.scene import Scene
 
 DEFAULT_SCENE = "builtin:torus_park"
+DEFAULT_ENVIRONMENT = "builtin:studio"
 
 bench = typer.Typer(name="bench")
 
@@ -100,14 +102,29 @@ def sat(
     size: Annotated[
         str, typer.Option("--size", help="WIDTHxHEIGHT of the map in texels.")
     ] = f"{SIZE[0]}x{SIZE[1]}",
+    environment: Annotated[
+        list[str] | None,
+        typer.Option("--environment", "-e", help="An .hdr or .exr, or builtin:NAME; repeatable."),
+    ] = None,
+    directions: Annotated[
+        int, typer.Option("--directions", min=1, max=100_000, help="In which errors are measured.")
+    ] = DIRECTIONS,
     rounds: Rounds = 5,
 ) -> None:
-    """Measure how fast summed-area tables are built, against a copy, and read."""
+    """Measure summed-area tables, and how fast and how exact the light is that they give."""
     _check(output)
     texels = camera_mapping(None, size)
+    maps = {name: load_environment(name) for name in environment or [DEFAULT_ENVIRONMENT]}
     with progress_bar("bench sat") as report:
         control = Control(on_progress=report)
-        measured = bench_sat(texels["width"], texels["height"], rounds, control=control)
+        measured = bench_sat(
+            texels["width"],
+            texels["height"],
+            rounds,
+            control=control,
+            maps=maps,
+            directions=directions,
+        )
     _write(output, measured)
     for each in sat_tables(measured["results"]):
         show(each)

@@ -1,18 +1,22 @@
-"""Summed-area tables: how fast every builder makes them and every order reads them.
+"""Summed-area tables: how fast every builder makes them and every order reads them; and light by
+them: how fast it is, and how near to integrals over all texels.
 
 Builders take turns in every round with a plain copy of as many bytes as the table has, which no
 builder that writes each entry once can much outrun; the first round does not count, and then the
 median does. All write to memory that was used before.
 """
 
+import itertools
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final, Literal
 
 import numpy as np
 
+from raysvc.compare.light_errors import DIRECTIONS, LightError, light_errors, lobe_count
+from raysvc.compare.light_speed import LightSpeed, LitPicture, light_speed
 from raysvc.compare.machine import machine
 from raysvc.compare.measure import Steps, alone
 from raysvc.errors import InvalidSetting, LimitExceeded
@@ -20,6 +24,7 @@ from raysvc.imaging.sat import build_table
 from raysvc.imaging.sat_orders import ORDERS, integrated, spline_means
 from raysvc.limits import DEFAULT_LIMITS
 from raysvc.parallel import Control, for_chunks
+from raysvc.scene import Environment
 from raysvc.types import Doubles, Floats
 from raysvc.version import VERSION
 
@@ -81,8 +86,12 @@ def bench_sat(
     rounds: int = 5,
     seed: int = 0,
     control: Control | None = None,
+    maps: Mapping[str, Environment] | None = None,
+    directions: int = DIRECTIONS,
 ) -> dict[str, Any]:
-    """Measure tables of an RGB map of some size.
+    """Measure tables of an RGB map of some size; then light of maps, by the names they are given.
+
+    Errors of light are measured in so many directions, its speed with the first map.
 
     Returns `machine`, `version`, `rounds`, `seed` and `results`, ready for JSON; each result says
     in `measured` what it is. Raises InvalidSetting, LimitExceeded, Cancelled.
@@ -92,15 +101,26 @@ def bench_sat(
     if width * height > DEFAULT_LIMITS.max_environment_pixels:
         most = DEFAULT_LIMITS.max_environment_pixels
         raise LimitExceeded(f"may have {most:,} texels, has {width * height:,}", "size")
-    control = control or Control()
+    if directions < 1:
+        raise InvalidSetting(f"must be at least 1, is {directions}", "directions")
+    control, maps = control or Control(), maps or {}
     image = np.random.default_rng(seed).lognormal(0.0, 1.0, (height, width, 3)).astype(np.float32)
     threads = sorted({1, control.threads})
-    steps = Steps((rounds + 1) * (len(threads) * (len(BUILDS) + 1) + len(ORDERS)), control)
-    results: list[BuildSpeed | LookupSpeed] = []
+    turns = len(threads) * (len(BUILDS) + 1) + len(ORDERS)
+    turns += len(threads) * len(ORDERS) if maps else 0
+    steps = Steps((rounds + 1) * turns + lobe_count() * len(maps), control)
+    results: list[BuildSpeed | LookupSpeed | LightSpeed | LightError] = []
     with alone(control):
         for count in threads:
             results += _builds(image, control.quiet().limited(count, None), rounds, steps)
         results += _lookups(image, control.quiet().limited(1, None), rounds, steps)
+        if maps:
+            first = next(iter(maps.values()))
+            picture = LitPicture(first, control.quiet())
+            for count, order in itertools.product(threads, ORDERS):
+                some = control.quiet().limited(count, None)
+                results.append(light_speed(first, picture, order, rounds, steps, some))
+        results += light_errors(maps, directions, seed, steps, control.quiet())
     return {
         "machine": machine(),
         "version": VERSION,

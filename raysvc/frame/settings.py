@@ -71,11 +71,12 @@ class Settings(BaseModel):
         gt=0,
         description="How far occlusion reaches, in metres; the scene's diagonal by default.",
     )
-    ibl: Literal["sat", "sh9", "brute"] = Field(
+    ibl: Literal["sat", "sh9", "split_sum", "brute"] = Field(
         "sat",
         description="How the environment is filtered: narrow lobes by summed-area tables, wide ones"
-        " by levels (`sat`); `sh9` takes diffuse light from nine spherical harmonics; `brute` sums "
-        "a thousand points of the map for each lobe, slowly.",
+        " by levels (`sat`); `sh9` takes diffuse light from nine spherical harmonics; `split_sum` "
+        "takes one prefiltered lookup per specular lobe; `brute` sums a thousand points of the map "
+        "for each lobe, slowly.",
     )
     ibl_order: Literal[2, 1, 3] = Field(
         2,

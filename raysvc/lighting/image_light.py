@@ -12,7 +12,7 @@ from raysvc.lighting.brdf import MIRROR_ROUGHNESS
 from raysvc.lighting.brute_kernels import brute_diffuse, brute_specular
 from raysvc.lighting.ggx_lobes import COSINE, cosine_lobe, ggx_lobes
 from raysvc.lighting.image_kernels import diffuse_light, specular_light
-from raysvc.lighting.lobe_fit import fitted_lobes
+from raysvc.lighting.lobe_fit import fitted_lobes, split_sum_lobes
 from raysvc.lighting.lobe_levels import DEGREE, LobeFamily, LobeLevels
 from raysvc.lighting.phong_kernels import cone_radiances, phong_radiances
 from raysvc.lighting.phong_lobes import phong_lobes
@@ -22,12 +22,12 @@ from raysvc.lighting.sphere_kernels import map_radiances
 from raysvc.lighting.sphere_table import sphere_table
 from raysvc.lighting.sun import SunLight, extract_suns
 from raysvc.lighting.zonal import ZonalMap, resampled
-from raysvc.parallel import Control
+from raysvc.parallel import Control, for_chunks
 from raysvc.scene import Environment
 from raysvc.shading.surface import Surface
-from raysvc.types import Floats
+from raysvc.types import Doubles, Floats
 
-Method = Literal["sat", "sh9", "brute"]
+Method = Literal["sat", "sh9", "split_sum", "brute"]
 METHODS: Final[tuple[Method, ...]] = get_args(Method)
 
 BRUTE_LOOKUPS = 1024
@@ -40,7 +40,8 @@ class Filtering:
 
     method: Method = "sat"
     """`sat`: narrow lobes out of summed-area tables, the others out of levels; `sh9`: the same,
-    but diffuse light from nine spherical harmonics; `brute`: many points of the map per lobe."""
+    but diffuse light from nine spherical harmonics; `split_sum`: one round lobe about R for a
+    specular lobe, as prefiltered maps have it; `brute`: many points of the map per lobe."""
     order: int = 2
     """Of the tables, 1 to 3: box, tent, quadratic."""
     builder: str = "fused"
@@ -81,10 +82,8 @@ class ImageLight:
         self._map = np.ascontiguousarray(environment.radiance)
         suns, self.rest = extract_suns(self._map)
         self._harmonics = ZonalMap.of(resampled(self.rest, 2 * DEGREE), DEGREE)
-        control = control or Control(threads=1)
-        levels = LobeLevels.of(self._harmonics, ggx_lobes(), control)
-        order, builder = filtering.order, filtering.builder
-        self._narrow = (sphere_table(self.rest, order, builder, control), order)
+        levels, table = self._filtered(control or Control(threads=1))
+        self._narrow = (table, filtering.order)
         self.lobes = (*self._narrow, *levels)
         self._cosine = int(levels.sides[COSINE]), int(levels.firsts[COSINE])
         if filtering.method == "sh9":
@@ -95,6 +94,21 @@ class ImageLight:
         self._albedo = albedo.albedo_tables()
         self.suns: tuple[SunLight, ...] = tuple(self._placed(sun) for sun in suns)
         """Small lights of the environment in the world; `diffuse` and `specular` are without."""
+
+    def _filtered(self, control: Control) -> tuple[LobeLevels, Doubles]:
+        """Levels and tables, beside each other: each has parts that do not use several threads."""
+        levels: list[LobeLevels] = []
+        tables: list[Doubles] = []
+
+        def make(begin: int, _: int) -> None:
+            if begin == 0:
+                levels.append(LobeLevels.of(self._harmonics, ggx_lobes()))
+            else:
+                order, builder = self._filtering.order, self._filtering.builder
+                tables.append(sphere_table(self.rest, order, builder))
+
+        for_chunks(2, 1, make, control)
+        return levels[0], tables[0]
 
     def _placed(self, sun: SunLight) -> SunLight:
         """Turn a sun out of the map's frame, and scale it."""
@@ -222,13 +236,18 @@ class ImageLight:
             *self.lobes,
             self._map,
             self._albedo.specular,
-            fitted_lobes(lookups or self._filtering.lookups),
+            self._fits(lookups),
             *self._turn,
             self._strength,
             surface,
             result,
         )
         return result
+
+    def _fits(self, lookups: int | None) -> Floats:
+        if self._filtering.method == "split_sum":
+            return split_sum_lobes()
+        return fitted_lobes(lookups or self._filtering.lookups)
 
     def _brute_specular(self, surface: Surface, result: Floats) -> None:
         """Write the specular lobe's radiance, a mirror's from the map itself."""

@@ -28,3 +28,12 @@ def fitted_lobes(lookups: int) -> Floats:
         table: Floats = np.ascontiguousarray(tables[f"lookups_{lookups}"])
     table.setflags(write=False)
     return table
+
+
+@lru_cache(maxsize=1)
+def split_sum_lobes() -> Floats:
+    """One round lobe about R, as if every surface were seen from straight above (Karis 2013)."""
+    table = np.zeros((ALPHA_NODES, NODES, 1, 4), np.float32)
+    table[:] = (1.0, 0.0, 1.0, 1.0)
+    table.setflags(write=False)
+    return table

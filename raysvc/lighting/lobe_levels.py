@@ -49,14 +49,19 @@ class LobeLevels(NamedTuple):
         firsts = np.concatenate([[0], np.cumsum(sides + 2)[:-1]]).astype(np.int32)
         texels = np.zeros((int((sides + 2).sum()), int(sides.max()) + 2, 3), np.float32)
 
-        def fill(begin: int, end: int) -> None:
-            for k in range(begin, end):
-                zonal = family.zonal[k]
-                coarse = bool((np.abs(zonal[COARSE[1] :]) < NEGLIGIBLE).all())
-                rows, degree = COARSE if coarse else FINE
-                image = harmonics.filtered(zonal[: degree + 1], rows, 2 * rows)
-                unfold(image.astype(np.float32), int(sides[k]), int(firsts[k]), texels)
+        zonal = np.stack(family.zonal)
+        coarse = (np.abs(zonal[:, COARSE[1] :]) < NEGLIGIBLE).all(axis=1)
 
-        for_chunks(len(sides), 1, fill, control or Control(threads=1))
+        def fill(begin: int, end: int) -> None:
+            for grid, levels in ((FINE, ~coarse), (COARSE, coarse))[begin:end]:
+                rows, degree = grid
+                some = np.flatnonzero(levels)
+                if not len(some):
+                    continue
+                images = harmonics.filtered(zonal[some, : degree + 1], rows, 2 * rows)
+                for k, image in zip(some, images.astype(np.float32), strict=True):
+                    unfold(image, int(sides[k]), int(firsts[k]), texels)
+
+        for_chunks(2, 1, fill, control or Control(threads=1))
         texels.setflags(write=False)
         return LobeLevels(texels, sides, firsts)

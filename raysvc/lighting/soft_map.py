@@ -23,7 +23,7 @@ def soft_map(
     """
     sharpness = 4.0 * math.pi / min(max(solid_angle, LEAST), LARGEST)
     zonal = zonal_coefficients(lambda cosine: np.exp(sharpness * (cosine - 1.0)), DEGREE)
-    softened = np.maximum(harmonics.filtered(zonal, ROWS, COLUMNS), 0.0) * strength
+    softened = np.maximum(harmonics.filtered(zonal[None], ROWS, COLUMNS)[0], 0.0) * strength
     radiance = softened.astype(np.float32)
     radiance.setflags(write=False)
     return SoftMap(radiance, *turn)

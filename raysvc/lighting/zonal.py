@@ -26,7 +26,7 @@ Complexes = npt.NDArray[np.complex128]
 class ZonalMap:
     """Harmonics of a map up to a degree."""
 
-    def __init__(self, mean: Doubles, orders: list[Complexes]) -> None:
+    def __init__(self, mean: Doubles, orders: list[Doubles]) -> None:
         self._mean, self._orders = mean, orders
 
     @property
@@ -38,32 +38,39 @@ class ZonalMap:
     def of(radiance: Floats | Doubles, degree: int) -> "ZonalMap":
         """Analyse a lat-long map (H, W, 3) of at least degree + 1 rows and 2 degree + 1 columns."""
         height, width, _ = radiance.shape
-        angles = texel_solid_angles(height, width)[:, None, None]
+        angles = texel_solid_angles(height, width)
         # The mean apart, or the sum over rows would leave ripples in constant maps
-        mean = (radiance * angles).sum(axis=(0, 1)) / (4.0 * math.pi)
-        across = np.fft.rfft(radiance - mean, axis=1) * angles
+        mean = angles @ radiance.sum(axis=1, dtype=np.float64) / (4.0 * math.pi)
+        across = np.fft.rfft(radiance - mean, axis=1)[:, : degree + 1] * angles[:, None, None]
         # Texels are seen from their centres, half a column to the right of the transform's
-        order = np.arange(degree + 1)
-        across = across[:, : degree + 1] * np.exp(-1j * math.pi / width * order)[None, :, None]
+        across *= np.exp(-1j * math.pi / width * np.arange(degree + 1))[None, :, None]
+        by_order = _as_reals(np.ascontiguousarray(across.transpose(1, 0, 2)))
         rows = legendre_rows(degree, height)
-        return ZonalMap(mean, [rows[m] @ across[:, m] for m in order])
+        return ZonalMap(mean, [rows[m] @ by_order[m] for m in range(degree + 1)])
 
     def filtered(self, zonal: Doubles, height: int, width: int) -> Doubles:
-        """Lat-long map (height, width, 3) of this one under a kernel.
+        """Lat-long maps (K, height, width, 3) of this one under K kernels.
 
-        zonal holds the kernel's coefficients as `zonal_coefficients` gives them, for degrees from 0
-        on; harmonics of further degrees are left out.
+        zonal (K, L + 1) holds the kernels' coefficients as `zonal_coefficients` gives them, for
+        degrees from 0 on; harmonics of further degrees are left out.
         """
-        degree = min(len(zonal) - 1, self.degree, width // 2)
+        count, degree = len(zonal), min(zonal.shape[1] - 1, self.degree, width // 2)
         rows = legendre_rows(self.degree, height)
-        across = np.zeros((height, width // 2 + 1, 3), np.complex128)
+        across = np.zeros((width // 2 + 1, height, count * 3), np.complex128)
         for m in range(degree + 1):
             kept = slice(0, degree + 1 - m)
-            across[:, m] = rows[m][kept].T @ (self._orders[m][kept] * zonal[m : degree + 1, None])
-        order = np.arange(width // 2 + 1)
-        across *= np.exp(1j * math.pi / width * order)[None, :, None]
-        result: Doubles = np.fft.irfft(across, n=width, axis=1) * width + self._mean
+            weighted = self._orders[m][kept, None, :] * zonal[:, m : degree + 1].T[:, :, None]
+            across[m] = (rows[m][kept].T @ weighted.reshape(-1, count * 6)).view(np.complex128)
+        across *= np.exp(1j * math.pi / width * np.arange(width // 2 + 1))[:, None, None]
+        maps = np.fft.irfft(across, n=width, axis=0) * width
+        maps = maps.reshape(width, height, count, 3).transpose(2, 1, 0, 3)
+        result: Doubles = maps + self._mean
         return result
+
+
+def _as_reals(values: Complexes) -> Doubles:
+    """Complex numbers (..., 3) as their parts (..., 6): products with reals are cheaper so."""
+    return values.view(np.float64)
 
 
 @lru_cache(maxsize=8)
