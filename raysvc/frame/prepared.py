@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from raysvc.frame.kept import Kept
 from raysvc.frame.settings import Settings
 from raysvc.frame.shapes import fit_of, tables_of
+from raysvc.frame.statistics import EnvironmentCost
 from raysvc.lighting.image_light import Filtering, ImageLight
 from raysvc.lighting.lamps import Lamps, lamps_of
 from raysvc.parallel import Control
@@ -33,6 +34,7 @@ class Prepared:
     tables: SceneTables
     fit: Fit
     light: ImageLight
+    environment_cost: EnvironmentCost
     lamps: Lamps
     patches: Patches | None
     """Between which light goes back and forth; None where no ambient light is wanted."""
@@ -89,6 +91,15 @@ def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepa
         tables,
         fit,
         light,
+        EnvironmentCost(
+            rebuilt=not had_light,
+            seconds=0.0 if had_light else light.seconds,
+            ibl=settings.ibl,
+            order=settings.ibl_order,
+            builder=settings.sat_builder,
+            passes=light.passes,
+            suns=len(light.suns),
+        ),
         lamps,
         patches,
         path_lights,

@@ -100,6 +100,7 @@ def render(
         },
         edge_fraction=ledger.edge_fraction,
         max_coc_px=ledger.max_coc_px,
+        environment=prepared.environment_cost,
         probe=ledger.probe,
         warnings=(
             *scene.warnings,

@@ -85,7 +85,7 @@ class Settings(BaseModel):
     sat_builder: Literal["fused", "doubling", "scan", "strips"] = Field(
         "fused", description="How tables of order 1 are summed; all give the same."
     )
-    ibl_lobe_samples: Literal[4, 1, 2, 8] = Field(
+    ibl_lobe_samples: Literal[4, 1, 2] = Field(
         4,
         description="Filtered samples per specular lobe of the environment; one where it is faint.",
     )

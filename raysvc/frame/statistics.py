@@ -65,6 +65,22 @@ class ProbeCost:
 
 
 @dataclass(frozen=True, slots=True)
+class EnvironmentCost:
+    """How the environment was filtered, and what that took."""
+
+    rebuilt: bool
+    """False where it was kept from an earlier frame; then it took no time."""
+    seconds: float
+    ibl: str
+    order: int
+    builder: str
+    passes: int
+    """Of the builder over a table."""
+    suns: int
+    """Small lights that were taken out of it."""
+
+
+@dataclass(frozen=True, slots=True)
 class Statistics:
     """Numbers of one rendered frame."""
 
@@ -90,6 +106,7 @@ class Statistics:
     """Part of the pixels that were anti-aliased."""
     max_coc_px: float
     """Largest diameter of a circle of confusion; 0 without a lens."""
+    environment: EnvironmentCost
     probe: ProbeCost | None
     """None where rays are reflected."""
     warnings: tuple[str, ...]

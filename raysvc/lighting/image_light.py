@@ -1,6 +1,7 @@
 """An environment as a light: its sun apart, the rest filtered."""
 
 import math
+import time
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final, Literal, get_args
@@ -19,13 +20,13 @@ from raysvc.lighting.phong_lobes import phong_lobes
 from raysvc.lighting.soft_map import soft_map
 from raysvc.lighting.soft_map_kernels import SoftMap
 from raysvc.lighting.sphere_kernels import map_radiances
-from raysvc.lighting.sphere_table import sphere_table
+from raysvc.lighting.sphere_table import SphereTable, sphere_table
 from raysvc.lighting.sun import SunLight, extract_suns
 from raysvc.lighting.zonal import ZonalMap, resampled
 from raysvc.parallel import Control, for_chunks
 from raysvc.scene import Environment
 from raysvc.shading.surface import Surface
-from raysvc.types import Doubles, Floats
+from raysvc.types import Floats
 
 Method = Literal["sat", "sh9", "split_sum", "brute"]
 METHODS: Final[tuple[Method, ...]] = get_args(Method)
@@ -75,6 +76,7 @@ class ImageLight:
         filtering: Filtering | None = None,
         control: Control | None = None,
     ) -> None:
+        start = time.perf_counter()
         yaw = math.radians(yaw_deg)
         self._turn = (math.cos(yaw), math.sin(yaw))
         self._strength = float(strength)
@@ -83,7 +85,7 @@ class ImageLight:
         suns, self.rest = extract_suns(self._map)
         self._harmonics = ZonalMap.of(resampled(self.rest, 2 * DEGREE), DEGREE)
         levels, table = self._filtered(control or Control(threads=1))
-        self._narrow = (table, filtering.order)
+        self._narrow = (table.tables, filtering.order)
         self.lobes = (*self._narrow, *levels)
         self._cosine = int(levels.sides[COSINE]), int(levels.firsts[COSINE])
         if filtering.method == "sh9":
@@ -92,13 +94,17 @@ class ImageLight:
             self._cosine = int(levels.sides[0]), 0
         self._diffuse = levels.texels
         self._albedo = albedo.albedo_tables()
+        self.passes = table.passes
+        """Of the builder over a table."""
+        self.seconds = time.perf_counter() - start
+        """What filtering took."""
         self.suns: tuple[SunLight, ...] = tuple(self._placed(sun) for sun in suns)
         """Small lights of the environment in the world; `diffuse` and `specular` are without."""
 
-    def _filtered(self, control: Control) -> tuple[LobeLevels, Doubles]:
+    def _filtered(self, control: Control) -> tuple[LobeLevels, SphereTable]:
         """Levels and tables, beside each other: each has parts that do not use several threads."""
         levels: list[LobeLevels] = []
-        tables: list[Doubles] = []
+        tables: list[SphereTable] = []
 
         def make(begin: int, _: int) -> None:
             if begin == 0:

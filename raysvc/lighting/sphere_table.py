@@ -8,10 +8,11 @@ special.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from raysvc.imaging.sat import summed_area_table
+from raysvc.imaging.sat import build_table, summed_area_table
 from raysvc.imaging.sat_orders import integrated
 from raysvc.lighting.lat_long import texel_solid_angles
 from raysvc.lighting.sphere_kernels import spread_to_x_cylinder
@@ -23,9 +24,21 @@ MAX_COLUMNS = 2048
 MIN_COLUMNS = 64
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class SphereTable:
+    """Both cylinders' tables, and how they were made."""
+
+    tables: Doubles
+    """(2, ...) read-only: the tables that `sat_orders.integrated` makes of both cylinders, images
+    (rows, columns, 3) whose texels have the same solid angle. Row 0 is at +axis; the centre column
+    is what is seen along -Z; to its right is +X around Y, and +Y around X."""
+    passes: int
+    """Of the builder, over one table."""
+
+
 def sphere_table(
     radiance: Floats, order: int = 1, builder: str = "fused", control: Control | None = None
-) -> Doubles:
+) -> SphereTable:
     """Tables of a lat-long map (H, W, 3) for `sphere_kernels.narrow_radiance`.
 
     The cylinder around Y holds exactly the light of the map; the other one is resampled, the light
@@ -39,12 +52,6 @@ def sphere_table(
         of tables of order 1, one of `sat_builders.BUILDERS`
     control
         threads and stopping, one thread by default
-
-    Returns
-    -------
-    (2, ...) float64, read-only: the tables that `sat_orders.integrated` makes of both cylinders,
-    images (rows, columns, 3) whose texels have the same solid angle. Row 0 is at +axis; the centre
-    column is what is seen along -Z; to its right is +X around Y, and +Y around X.
     """
     columns = min(max(radiance.shape[1], MIN_COLUMNS), MAX_COLUMNS)
     rows = columns // 2
@@ -52,31 +59,32 @@ def sphere_table(
     height = len(radiance)
     detail = 2 if height >= rows else math.ceil(2 * rows / height)
     spread_to_x_cylinder(radiance, detail, shared)
-    images = _y_cylinder(radiance, rows, columns, builder, control), _radiance_of_shares(shared)
+    image, passes = _y_cylinder(radiance, rows, columns, builder, control)
+    images = image, _radiance_of_shares(shared)
     if order == 1:
         tables = np.stack([summed_area_table(i, builder, control=control) for i in images])
     else:
         tables = np.stack([integrated(image, order, control) for image in images])
     tables.setflags(write=False)
-    return tables
+    return SphereTable(tables, passes)
 
 
 def _y_cylinder(
     radiance: Floats, rows: int, columns: int, builder: str, control: Control | None
-) -> Doubles:
-    """Cylinder around Y (rows, columns, 3), read out of the map's own table."""
+) -> tuple[Doubles, int]:
+    """Cylinder around Y (rows, columns, 3), read out of the map's own table; its passes."""
     height, width, _ = radiance.shape
     per_row = texel_solid_angles(height, width)
-    table = summed_area_table(radiance * per_row[:, None, None], builder, control=control)
+    built = build_table(radiance * per_row[:, None, None], builder, control=control)
     # Sums grow linearly with the cosine inside a row of texels, and with the column
     edges = np.cos(np.arange(height + 1) * (math.pi / height))
     wanted = 1.0 - 2.0 * np.arange(rows + 1) / rows
-    table = _interpolated(table, np.interp(-wanted, -edges, np.arange(height + 1)))
+    table = _interpolated(built.table, np.interp(-wanted, -edges, np.arange(height + 1)))
     if columns != width:
         across = np.arange(columns + 1) * (width / columns)
         table = _interpolated(table.transpose(1, 0, 2), across).transpose(1, 0, 2)
     image: Doubles = np.diff(np.diff(table, axis=0), axis=1) * (rows * columns / (4.0 * math.pi))
-    return image
+    return image, built.passes
 
 
 def _interpolated(table: Doubles, positions: Doubles) -> Doubles:

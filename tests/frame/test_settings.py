@@ -63,6 +63,8 @@ CHANGES: dict[str, object] = {
     "shadows": False,
     "occlusion_samples": 0,
     "occlusion_radius": 0.1,
+    "ibl": "sh9",
+    "ibl_order": 1,
     "ibl_lobe_samples": 1,
     "lens": "none",
     "aa": "none",
@@ -78,8 +80,9 @@ UNCHANGED: dict[str, object] = {
     "structure": "embree",
     "trees": "per_material",
     "passes": "multi",
+    "sat_builder": "doubling",
 }
-SINGLE_VALUED = {"ibl", "ibl_order", "lens_order"}
+SINGLE_VALUED = {"lens_order"}
 TESTED_ELSEWHERE = {"deadline_s", "samples"}
 
 
@@ -117,5 +120,8 @@ def test_how_the_work_is_done_changes_no_byte(name: str, plain: raysvc.Frame) ->
         still_life(), camera=VIEW | {"aperture_radius": 0.1}, settings={name: UNCHANGED[name]}
     )
     assert frame.encode("exr") == plain.encode("exr")
-    if name not in ("trees", "passes"):
+    if name == "sat_builder":
+        assert frame.statistics.environment.builder == "doubling"
+        assert frame.statistics.environment.passes > plain.statistics.environment.passes
+    elif name not in ("trees", "passes"):
         assert getattr(frame.statistics, name) == UNCHANGED[name]

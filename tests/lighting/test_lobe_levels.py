@@ -109,7 +109,7 @@ def test_levels_keep_the_light_of_the_map(spots, harmonics):
 
 
 def test_lookups_are_continuous_across_folds_seams_and_levels(harmonics, spots):
-    levels, sharp = LobeLevels.of(harmonics, ggx_lobes()), sphere_table(spots)
+    levels, sharp = LobeLevels.of(harmonics, ggx_lobes()), sphere_table(spots).tables
     step = 1e-4
     turn = np.arange(0, 2 * np.pi, step)
     across = np.stack([np.sin(turn), 0.02 * np.cos(turn), np.cos(turn)], 1)
