@@ -16,7 +16,8 @@ from PIL import Image
 from raysvc.builtin import BUILTIN_ENVIRONMENTS
 from raysvc.compare.lobe_integrals import diffuse_integrals, specular_integrals
 from raysvc.compare.white_surface import DIELECTRIC_F0, sphere, white_surface
-from raysvc.lighting.image_light import ImageLight
+from raysvc.lighting.image_light import Filtering, ImageLight
+from raysvc.lighting.zonal import resampled
 from raysvc.loading import load_environment
 from raysvc.parallel import Control, map_chunks
 from raysvc.scene import Environment
@@ -30,7 +31,11 @@ MAPS = (
 )
 ROUGHNESS = (0.05, 0.1, 0.25, 0.5, 0.75, 1.0)
 PICTURE = Path(__file__).parent / "images" / "image_light.png"
-SIZE = 88
+SIZE = 80
+NARROW = 0.1
+"""Up to this roughness integrals are sums over a thousand points of the lobe, above over all texels
+of a map of COARSE_ROWS."""
+COARSE_ROWS = 128
 
 
 def main() -> None:
@@ -55,10 +60,18 @@ def spheres(environment: Environment) -> list[Doubles]:
     lit = [light.diffuse(white_surface(normal, view, 0.0, 0.5))]
     lit += [light.specular(white_surface(normal, view, 1.0, r)) for r in ROUGHNESS]
 
+    brute = ImageLight(environment, filtering=Filtering("brute"))
+    coarse = resampled(light.rest, COARSE_ROWS).astype(np.float32)
+
     def integrals(begin: int, end: int) -> Doubles:
         some = normal[begin:end], view[begin:end]
-        lobes = [diffuse_integrals(light.rest, *some, DIELECTRIC_F0)]
-        lobes += [specular_integrals(light.rest, *some, r, 1.0) for r in ROUGHNESS]
+        lobes = [diffuse_integrals(coarse, *some, DIELECTRIC_F0)]
+        for roughness in ROUGHNESS:
+            if roughness <= NARROW:
+                surface = white_surface(*some, 1.0, roughness)
+                lobes.append(brute.specular(surface).astype(np.float64))
+            else:
+                lobes.append(specular_integrals(coarse, *some, roughness, 1.0))
         return np.stack(lobes, axis=1)
 
     truth = np.concatenate(map_chunks(len(normal), 50, integrals, Control()))
