@@ -64,6 +64,7 @@ CHANGES: dict[str, object] = {
     "occlusion_samples": 0,
     "occlusion_radius": 0.1,
     "ibl_lobe_samples": 1,
+    "multiple_scattering": True,
     "lens": "none",
     "aa": "none",
     "aa_samples": 2,
