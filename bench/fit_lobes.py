@@ -4,7 +4,7 @@
 
 Truth are integrals over visible normals of four maps and three synthetic ones, at random places and
 turns; the built-in environments are kept out of it, to see by them what the fit is worth elsewhere
-(`raysvc bench sat`). At every node of the table a damped Gauss-Newton search (Levenberg 1944) over
+(`raysvc bench sat`). At every node of the table a damped Gauss-Newton search (Levenberg 1944; SciPy's, which is no dependency of raysvc) over
 places, widths and weights minimises the errors' robust sum; each begins from its neighbours, to
 which a small force binds it, for what lies between nodes is interpolated.
 """
@@ -12,13 +12,13 @@ which a small force binds it, for what lies between nodes is interpolated.
 import argparse
 import math
 import os
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from bench.image_light import MAPS, read, say
 from raysvc.jit import kernel
 from raysvc.lighting.albedo_kernels import integrate_specular
 from raysvc.lighting.brdf import fresnel_weight, shadowing_given_masking, visible_normal
@@ -26,9 +26,16 @@ from raysvc.lighting.image_kernels import ALPHA_NODES_FROM, COSINE_NODES, round_
 from raysvc.lighting.image_light import ImageLight
 from raysvc.lighting.lobe_fit import ALPHA_NODES, FILE, LOOKUPS, NODES
 from raysvc.lighting.sun import LUMINANCE
+from raysvc.loading import load_environment
 from raysvc.scene import Environment
 from raysvc.types import Doubles, Floats, Ints
 
+MAPS = (
+    "venice_sunset_1k.hdr",
+    "studio_small_03_1k.hdr",
+    "kloppenheim_05_1k.hdr",
+    "KernerEnvLatLong.exr",
+)
 POINTS = 100
 """For each map, at every node."""
 RAYS = 2048
@@ -62,7 +69,9 @@ def main() -> None:
     parser.add_argument("folder", nargs="?", type=Path, default=Path(assets) / "hdr")
     parser.add_argument("--lookups", type=int, nargs="*", default=LOOKUPS)
     arguments = parser.parse_args()
-    maps = [read(arguments.folder / name) for name in MAPS] + [softboxes(seed) for seed in range(3)]
+    maps = [load_environment(arguments.folder / name).radiance for name in MAPS] + [
+        softboxes(seed) for seed in range(3)
+    ]
     lights = [ImageLight(Environment(radiance)) for radiance in maps]
     tables = {}
     if FILE.exists():
@@ -83,7 +92,10 @@ def main() -> None:
                 data = [points(light, alpha, cosine(m), 100 * a + m) for light in lights]
                 table[a, m], rests[m] = fitted(data, alpha, cosine(m), lookups, near)
                 done[a, m] = True
-            say(f"{lookups} alpha {alpha:.4f}: " + " ".join(f"{100 * r:.1f}" for r in rests))
+            sys.stdout.write(
+                f"{lookups} alpha {alpha:.4f}: " + " ".join(f"{100 * r:.1f}" for r in rests) + "\n"
+            )
+            sys.stdout.flush()
         tables[f"lookups_{lookups}"] = table
     np.savez_compressed(FILE, **tables)
 
@@ -221,7 +233,7 @@ def free_of(node: Floats) -> Doubles:
 
 
 @kernel
-def respond(
+def respond(  # noqa: PLR0913 - a kernel takes plain arrays
     sharp: Doubles,
     order: int,
     texels: Floats,

@@ -33,6 +33,7 @@ def paths(draft: Draft) -> None:
         prepared.path_lights,
         settings.bounce_limit,
         draft.ledger.count,
+        rescatters=settings.multiple_scattering,
     )
     key = np.empty(camera.width * camera.height, np.uint32)
     pixel_keys(np.arange(len(key), dtype=np.uint32), settings.seed, key)

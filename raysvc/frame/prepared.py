@@ -9,12 +9,14 @@ from raysvc.frame.shapes import fit_of, tables_of
 from raysvc.frame.statistics import EnvironmentCost
 from raysvc.lighting.image_light import Filtering, ImageLight
 from raysvc.lighting.lamps import Lamps, lamps_of
+from raysvc.lighting.rescattering import with_rescattering
 from raysvc.parallel import Control
 from raysvc.reference.emitters import Emitters
 from raysvc.reference.environment import EnvironmentLight
 from raysvc.reference.paths import Lights
 from raysvc.scene import Environment, Scene
 from raysvc.shading.scene_tables import SceneTables
+from raysvc.shading.surface import Surface
 from raysvc.tracing.fitting import Fit
 from raysvc.tracing.patches import Patches
 from raysvc.tracing.world import World
@@ -46,11 +48,17 @@ class Prepared:
     """Nothing had to be made."""
     warnings: tuple[str, ...]
     """What could not be made as asked."""
+    rescatters: bool
+    """Specular lobes are compensated for what microfacets scatter more than once."""
 
     @property
     def world(self) -> World:
         """What answers the scene's rays."""
         return self.fit.world
+
+    def lobes_of(self, surface: Surface) -> Surface:
+        """Return points with their specular lobes as the frame wants them: compensated or not."""
+        return with_rescattering(surface) if self.rescatters else surface
 
 
 def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepared:
@@ -106,4 +114,5 @@ def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepa
         time.perf_counter() - start,
         cached and had_lamps and had_patches,
         warnings,
+        settings.multiple_scattering,
     )

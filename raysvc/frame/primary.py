@@ -121,4 +121,4 @@ def evaluated(
     tables = prepared.tables
     footprint = footprint_at(tables.geometry, hits.triangle, hits.t, directions, differentials)
     surface = tables.surface(hits.triangle, hits.barycentric, directions, footprint, texture_filter)
-    return Points(pixel, hits.triangle, depth, footprint, surface)
+    return Points(pixel, hits.triangle, depth, footprint, prepared.lobes_of(surface))

@@ -84,7 +84,7 @@ class Illumination:
         self._ledger.count("occlusion", len(patches.triangle) * RAYS)
         self._sent = radiosity(
             patches,
-            self._prepared.tables,
+            self._on_patch,
             self._prepared.world,
             self._soft,
             self.direct.roughly,
@@ -92,6 +92,12 @@ class Illumination:
             self._settings.seed,
             control,
         )
+
+    def _on_patch(
+        self, triangle: Ints, barycentric: Floats, directions: Floats, footprint: Footprint
+    ) -> Surface:
+        surface = self._prepared.tables.surface(triangle, barycentric, directions, footprint, "mip")
+        return self._prepared.lobes_of(surface)
 
     def ambient(self, surface: Surface, tile: Ints, part: slice = slice(None)) -> Ambient:
         """What arrives from all around at N points; everything, without occlusion samples."""

@@ -18,7 +18,6 @@ from raysvc.lighting.ambient_kernels import gather_patches, gather_sky
 from raysvc.lighting.soft_map_kernels import SoftMap
 from raysvc.parallel import Control, map_chunks
 from raysvc.shading.footprint import Footprint
-from raysvc.shading.scene_tables import SceneTables
 from raysvc.shading.surface import Surface
 from raysvc.tracing.occlusion import occlusion_rays, pattern
 from raysvc.tracing.occlusion_kernels import TILES
@@ -50,7 +49,7 @@ class _Sent(NamedTuple):
 
 def radiosity(
     patches: Patches,
-    tables: SceneTables,
+    evaluate: Callable[[Ints, Floats, Floats, Footprint], Surface],
     world: World,
     soft: SoftMap,
     direct: Callable[[Surface], Floats],
@@ -62,6 +61,8 @@ def radiosity(
 
     Parameters
     ----------
+    evaluate
+        points of triangles (N,) at barycentrics (N, 2), that rays in directions (N, 3) meet
     soft
         the environment, for `solid_angle_of_rays(RAYS * SAMPLES)`
     direct
@@ -76,7 +77,7 @@ def radiosity(
         triangle, towards = patches.triangle[part], patches.towards[part]
         footprint = Footprint.points(len(triangle))
         footprint.blur[:] = 0.5 * patches.size_m
-        surface = tables.surface(triangle, patches.barycentric[part], -towards, footprint, "mip")
+        surface = evaluate(triangle, patches.barycentric[part], -towards, footprint)
         tile = np.tile(np.arange(SAMPLES, dtype=np.int32) % TILES, end - begin)
         rays = occlusion_rays(surface, tile, samples, np.inf)
         hits, through = world.hiding(rays)

@@ -316,7 +316,7 @@ class SecondaryRays:
             glow = np.where(lamp, seen_of_lamps[index], np.float32(1.0))
             emissive = surface.emissive * glow[:, None]
             surface = surface._replace(roughness=widened, emissive=emissive)
-            return self._illumination.lit_in_mirror(surface, footprint)
+            return self._illumination.lit_in_mirror(self._prepared.lobes_of(surface), footprint)
 
         hits, met, lit = self._organise(
             self._prepared.world,

@@ -89,6 +89,11 @@ class Settings(BaseModel):
         4,
         description="Filtered samples per specular lobe of the environment; one where it is faint.",
     )
+    multiple_scattering: bool = Field(
+        False,
+        description="Give rough metal back the light that its microfacets scatter more than once, "
+        "which glTF's formula loses.",
+    )
     lens: Literal["spread", "none"] = Field(
         "spread",
         description="`spread` gives depth of field when the camera has an aperture; `none` never.",

@@ -10,6 +10,7 @@ from raysvc.lighting.brdf import (
     shadowing_given_masking,
     visible_normal,
 )
+from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
@@ -105,7 +106,7 @@ def specular_albedos(
         metal = surface.metallic[i]
         for c in range(3):
             f0 = surface.dielectric_f0[i] * (1.0 - metal) + surface.base_colour[i, c] * metal
-            albedo[i, c] = f0 * scale + bias
+            albedo[i, c] = (f0 * scale + bias) * rescattered(surface, i, f0)
 
 
 @kernel

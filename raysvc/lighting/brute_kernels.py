@@ -18,6 +18,7 @@ from raysvc.lighting.brdf import (
 )
 from raysvc.lighting.image_kernels import turned
 from raysvc.lighting.sphere_kernels import map_radiance
+from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
@@ -110,4 +111,5 @@ def brute_specular(
             f0 = surface.dielectric_f0[i] * (1.0 - metal) + surface.base_colour[i, c] * metal
             lit = r_scale if c == 0 else (g_scale if c == 1 else b_scale)
             grazing = r_bias if c == 0 else (g_bias if c == 1 else b_bias)
-            radiance[i, c] = (f0 * term_a * lit + term_b * grazing) * strength
+            once = (f0 * term_a * lit + term_b * grazing) * strength
+            radiance[i, c] = once * rescattered(surface, i, f0)

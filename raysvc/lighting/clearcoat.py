@@ -5,7 +5,8 @@
 `lobe` is the mirror lobe of `microfacet_reflection` about the coat's normal Nc, with the coat's
 roughness. Its Fresnel term is that of the smooth coat seen along V and not that of each facet, so
 what the coat takes from the base does not depend on where light comes from. Emission is darkened
-like everything else underneath.
+like everything else underneath. Light that the coat scatters more than once is left out, for hardly
+any of it comes back: F0 is 0.04.
 """
 
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from raysvc.jit import inlined, kernel
 from raysvc.lighting.brdf import fresnel_weight
 from raysvc.shading.coat import Coat
 from raysvc.shading.glass import Glass
+from raysvc.shading.rescattering import Rescattering
 from raysvc.shading.surface import Surface
 from raysvc.types import Floats, Longs
 
@@ -73,6 +75,7 @@ class Varnish:
             emissive=np.zeros((len(point), 3), np.float32),
             coat=Coat.empty(0),
             glass=Glass.empty(0),
+            rescattering=Rescattering.empty(0),
         )
         return cls(point, share, lobe)
 

@@ -11,6 +11,7 @@ from raysvc.lighting.brdf import (
     ggx_density_under_disc,
     smith_visibility,
 )
+from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
@@ -73,7 +74,8 @@ def reflect_light(
             f0 = surface.dielectric_f0[i] * (1.0 - metal) + base * metal
             fresnel = f0 + (1.0 - f0) * weight
             diffuse = (1.0 - fresnel) * base * diffused / math.pi
-            radiance[i, c] = (diffuse + fresnel * lobe) * nol * irradiance[i, c]
+            specular = fresnel * lobe * rescattered(surface, i, f0)
+            radiance[i, c] = (diffuse + specular) * nol * irradiance[i, c]
 
 
 @kernel

@@ -15,6 +15,7 @@ from raysvc.lighting.brdf import (
     smith_visibility,
 )
 from raysvc.lighting.triangle_light_kernels import triangle_irradiance
+from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats, Longs
 
@@ -184,7 +185,9 @@ def light_from_lamps(
             lit = red if c == 0 else (green if c == 1 else blue)
             lobe_0 = red_0 if c == 0 else (green_0 if c == 1 else blue_0)
             lobe_x = red_x if c == 0 else (green_x if c == 1 else blue_x)
-            radiance[i, c] = (1.0 - f0) * base * diffused * lit + f0 * lobe_0 + lobe_x
+            gain = rescattered(surface, i, f0)
+            diffuse = (1.0 - f0) * base * diffused * lit
+            radiance[i, c] = diffuse + f0 * lobe_0 * gain + lobe_x * gain
 
 
 @kernel

@@ -23,6 +23,7 @@ from raysvc.jit import inlined
 from raysvc.lighting.microfacet_reflection import reflection_lobe, reflection_sample
 from raysvc.shading.coat import Coat
 from raysvc.shading.glass import Glass
+from raysvc.shading.rescattering import Rescattering
 from raysvc.shading.surface import Surface
 
 
@@ -65,4 +66,5 @@ def far_side(surface: Surface) -> Surface:
         emissive=np.zeros((surface.size, 3), np.float32),
         coat=Coat.empty(0),
         glass=Glass.empty(0),
+        rescattering=Rescattering.empty(0),
     )

@@ -3,6 +3,7 @@
 from raysvc.jit import inlined, kernel
 from raysvc.lighting.albedo_kernels import diffuse_loss, specular_terms
 from raysvc.lighting.clearcoat import coat_share
+from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
@@ -60,7 +61,8 @@ def lobe_choices(
             through = luminance(transmitted[n, 0], transmitted[n, 1], transmitted[n, 2])
         else:
             scale, bias = specular_terms(terms, cosine, surface.roughness[n])
-            mirror = (dielectric * (1.0 - metal) + base * metal) * scale + bias
+            f0 = dielectric * (1.0 - metal) + base * metal
+            mirror = (f0 * scale + bias) * rescattered(surface, n, f0)
             through = 0.0
         diffuse = base * (1.0 - metal) * (1.0 - surface.transmission[n]) * (1.0 - dielectric)
         diffuse *= 1.0 - diffuse_loss(losses, cosine)

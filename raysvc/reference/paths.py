@@ -16,6 +16,7 @@ import numpy as np
 
 from raysvc.accel.base import Hits, Rays
 from raysvc.lighting.direct import arriving
+from raysvc.lighting.rescattering import with_rescattering
 from raysvc.parallel import Control
 from raysvc.reference.choices import choices_of
 from raysvc.reference.emitters import Emitters, emission_of
@@ -119,14 +120,17 @@ class PathTracer:
         lights: Lights,
         bounces: int,
         count: Callable[[str, int], None],
+        *,
+        rescatters: bool = False,
     ) -> None:
         """Take what paths meet.
 
         `bounces`: how often a path goes on from a point that it has lit. `count` is told how many
-        rays of a kind were traced.
+        rays of a kind were traced. `rescatters`: specular lobes are compensated
+        (`lighting.rescattering`).
         """
         self._world, self._tables, self._lights = world, tables, lights
-        self._bounces, self._count = bounces, count
+        self._bounces, self._count, self._rescatters = bounces, count, rescatters
 
     def trace(self, rays: Rays, draws: Draws, control: Control) -> tuple[Floats, Bools]:
         """Follow one path from each of N camera rays.
@@ -173,7 +177,8 @@ class PathTracer:
     def _surface(self, wave: Wave) -> Surface:
         """What the paths have met; textures at their finest, for samples filter them."""
         hits = wave.hits
-        return self._tables.surface(hits.triangle, hits.barycentric, wave.rays.directions)
+        surface = self._tables.surface(hits.triangle, hits.barycentric, wave.rays.directions)
+        return with_rescattering(surface) if self._rescatters else surface
 
     def _shining(self, wave: Wave, surface: Surface) -> Floats:
         """(N, 3) light that the surfaces themselves give off."""

@@ -26,6 +26,7 @@ from raysvc.lighting.microfacet_refraction import (
 from raysvc.lighting.thin_transmission import thin_lobe, thin_sample
 from raysvc.reference.choice_kernels import COAT, DIFFUSE, MIRROR, THROUGH, coat_of
 from raysvc.reference.weight_kernels import mis_weight
+from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
@@ -114,7 +115,8 @@ def answer(surface: Surface, choice: Doubles, n: int, light: Vec3) -> Answer:
             f0 = dielectric + base * metal
             fresnel = f0 + (1.0 - f0) * weight
             if above > 0.0:
-                value = (1.0 - fresnel) * base * diffuse + fresnel * lobe
+                gain = rescattered(surface, n, f0)
+                value = (1.0 - fresnel) * base * diffuse + fresnel * lobe * gain
             else:
                 value = (1.0 - fresnel) * base * (1.0 - metal) * through * lobe
             value *= cosine * (1.0 - coat)

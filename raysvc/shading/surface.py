@@ -8,6 +8,7 @@ import numpy as np
 from raysvc import records
 from raysvc.shading.coat import Coat
 from raysvc.shading.glass import Glass
+from raysvc.shading.rescattering import Rescattering
 from raysvc.types import Bools, Floats, Longs
 
 
@@ -51,6 +52,8 @@ class Surface(NamedTuple):
         of N points or none
     glass
         of N points or none
+    rescattering
+        of N points, or none where multiple scattering is left out
     """
 
     position: Floats
@@ -69,6 +72,7 @@ class Surface(NamedTuple):
     clearance: Floats
     coat: Coat
     glass: Glass
+    rescattering: Rescattering = Rescattering.empty(0)
 
     @property
     def size(self) -> int:

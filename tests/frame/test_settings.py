@@ -66,6 +66,7 @@ CHANGES: dict[str, object] = {
     "ibl": "sh9",
     "ibl_order": 1,
     "ibl_lobe_samples": 1,
+    "multiple_scattering": True,
     "lens": "none",
     "aa": "none",
     "aa_samples": 2,
