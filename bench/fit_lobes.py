@@ -4,9 +4,9 @@
 
 Truth are integrals over visible normals of four maps and three synthetic ones, at random places and
 turns; the built-in environments are kept out of it, to see by them what the fit is worth elsewhere
-(`raysvc bench sat`). At every node of the table a damped Gauss-Newton search (Levenberg 1944; SciPy's, which is no dependency of raysvc) over
-places, widths and weights minimises the errors' robust sum; each begins from its neighbours, to
-which a small force binds it, for what lies between nodes is interpolated.
+(`raysvc bench sat`). At every node of the table SciPy, which raysvc itself does not need, searches
+for places, widths and weights with the least robust sum of errors; each search begins from its
+neighbours, to which a small force binds it, for what lies between nodes is interpolated.
 """
 
 import argparse

@@ -6,10 +6,13 @@ import threading
 import numpy as np
 import pytest
 
+from raysvc.imaging.sat_builders import BUILDERS
 from raysvc.lighting.brdf import MIRROR_ROUGHNESS
 from raysvc.lighting.direct import arriving, reflected
-from raysvc.lighting.image_light import ImageLight
+from raysvc.lighting.image_light import METHODS, Filtering, ImageLight
 from raysvc.lighting.lobe_fit import LOOKUPS
+from raysvc.lighting.spherical_harmonics import sh9
+from raysvc.parallel import Control
 from raysvc.scene import Environment
 from tests.lighting.surfaces import random_directions, surface_of, views_of
 from tests.oracles.lobe import albedo, map_directions, outgoing
@@ -215,3 +218,78 @@ def test_cones_of_a_constant_map_are_constant_and_narrow_ones_are_the_map(rng):
     assert (narrow == varied.radiance(directions)).all()
     wide = varied.cone(directions, np.ones(50, np.float32))
     assert wide.std() < 0.3 * narrow.std()
+
+
+METHODS_LIMITS = {"sat": 0.02, "sh9": 0.05, "split_sum": 0.3, "brute": 0.02}
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_methods_come_as_near_as_they_can(rng, method):
+    light = ImageLight(Environment(smooth_sky()), filtering=Filtering(method))
+    normal = random_directions(rng, 30)
+    surface = surface_of(normal, views_of(rng, normal, 0.3), BASE, 0.0, 0.5)
+    diffuse, specular = light.diffuse(surface), light.specular(surface)
+    fine = np.repeat(np.repeat(smooth_sky(), 4, axis=0), 4, axis=1)
+    expected = [
+        outgoing(fine, n.astype(float), v.astype(float), BASE, 0.0, 0.5)
+        for n, v in zip(surface.normal, surface.to_viewer, strict=True)
+    ]
+    errors = [
+        np.abs(got / np.array([e[k] for e in expected]) - 1).mean()
+        for k, got in enumerate((diffuse, specular))
+    ]
+    assert errors[0] < METHODS_LIMITS[method] if method != "split_sum" else errors[0] < 0.02
+    assert errors[1] < METHODS_LIMITS[method]
+
+
+def test_nine_harmonics_are_those_of_the_map(rng):
+    environment = Environment(smooth_sky())
+    normal = random_directions(rng, 40)
+    surface = surface_of(normal, normal, 1.0, 0.0, 1.0, dielectric_f0=0.0)
+    light = ImageLight(environment, filtering=Filtering("sh9"))
+    x, y, z = normal.T
+    basis = np.stack(
+        [
+            np.full(40, 0.282095),
+            *(0.488603 * v for v in (y, z, x)),
+            *(1.092548 * v for v in (x * y, y * z)),
+            0.315392 * (3 * z * z - 1),
+            1.092548 * x * z,
+            0.546274 * (x * x - y * y),
+        ],
+        axis=1,
+    )
+    irradiance = basis @ sh9(environment).irradiance
+    share = light.diffuse(surface) / (irradiance / np.pi)
+    # Schlick's weight takes the same part of all points, which are seen from straight above
+    np.testing.assert_allclose(share, share.mean(), rtol=0.01)
+    assert 0.9 < share.mean() <= 1
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_orders_filter_narrow_lobes_alike_but_not_the_same(sky, rng, order):
+    normal = random_directions(rng, 200)
+    surface = surface_of(normal, views_of(rng, normal), 1.0, 1.0, 0.12)
+    light = ImageLight(Environment(smooth_sky()), filtering=Filtering(order=order))
+    got, default = light.specular(surface), sky.specular(surface)
+    np.testing.assert_allclose(got, default, rtol=0.05)
+    assert (got == default).all() == (order == 2)
+
+
+@pytest.mark.parametrize("builder", BUILDERS)
+def test_builders_and_threads_light_alike(sky, rng, builder):
+    normal = random_directions(rng, 200)
+    surface = surface_of(normal, views_of(rng, normal), 1.0, 1.0, 0.1)
+    filtering = Filtering(builder=builder)
+    light = ImageLight(Environment(smooth_sky()), filtering=filtering, control=Control(2))
+    np.testing.assert_allclose(light.specular(surface), sky.specular(surface), rtol=1e-5)
+    assert light.passes == {"fused": 1, "strips": 3, "scan": 4}.get(builder, light.passes)
+
+
+def test_phong_is_irradiance_at_exponent_1_and_the_map_at_high_ones(sky, rng):
+    directions = random_directions(rng, 50)
+    surface = surface_of(directions, directions, 1.0, 0.0, 1.0, dielectric_f0=0.0)
+    share = sky.diffuse(surface) / sky.phong(directions.astype("f4"), 1.0)
+    np.testing.assert_allclose(share, share.mean(), rtol=0.01)
+    sharp = sky.phong(directions.astype("f4"), 1e6)
+    np.testing.assert_allclose(sharp, sky.radiance(directions.astype("f4")), atol=0.05)
