@@ -1,7 +1,6 @@
 """The benchmark of light: errors fall where filters fit, and integrals are right themselves."""
 
 import dataclasses
-import itertools
 
 import numpy as np
 import pytest

@@ -262,7 +262,7 @@ def test_nine_harmonics_are_those_of_the_map(rng):
     irradiance = basis @ sh9(environment).irradiance
     share = light.diffuse(surface) / (irradiance / np.pi)
     # Schlick's weight takes the same part of all points, which are seen from straight above
-    np.testing.assert_allclose(share, share.mean(), rtol=0.01)
+    np.testing.assert_allclose(share, share.mean(), rtol=0.02)
     assert 0.9 < share.mean() <= 1
 
 
