@@ -8,6 +8,7 @@ import numpy as np
 
 from raysvc.builtin import BUILTIN_ENVIRONMENTS
 from raysvc.frame.draft import Draft
+from raysvc.frame.focus import focused
 from raysvc.frame.frame import Frame
 from raysvc.frame.prepared import prepare
 from raysvc.frame.radiance import Illumination
@@ -68,6 +69,7 @@ def render(
     with ledger.stage("prepare"):
         control.progress("prepare", 0.0)
         prepared = prepare(scene, environment, settings)
+        resolved = focused(resolved, view, prepared)
     illumination = Illumination(
         prepared,
         settings,

@@ -14,6 +14,7 @@ from raysvc.types import Doubles
 
 Metres = Annotated[float, Field(ge=-1e9, le=1e9)]
 Vector = tuple[Metres, Metres, Metres]
+PixelPlace = Annotated[float, Field(ge=0, le=1e6)]
 Row = tuple[Metres, Metres, Metres, Metres]
 
 DEFAULT_VIEW = (0.45, 0.35, 1.0)
@@ -62,10 +63,19 @@ class View(BaseModel):
     focus_point: Vector | None = Field(
         None, description="A point that is sharp, instead of focus_distance."
     )
+    focus_pixel: tuple[PixelPlace, PixelPlace] | None = Field(
+        None,
+        description="A place in the picture, [x, y] in pixels from its upper left corner: what it "
+        "shows is sharp, instead of focus_distance.",
+    )
 
 
 def camera_from(view: View, scene: Scene, limits: Limits = DEFAULT_LIMITS) -> Camera:
-    """Resolve a view against a scene. Raises InvalidSetting naming the field."""
+    """Resolve a view against a scene. Raises InvalidSetting naming the field.
+
+    What `focus_pixel` shows only a ray can tell (`raysvc.frame.focus`): until then the focus is as
+    if it had not been given.
+    """
     _check_size(view, limits)
     _check_alternatives(view)
     if view.gltf_camera is not None:
@@ -104,11 +114,21 @@ def _check_alternatives(view: View) -> None:
         ("fov_y_deg", "focal_length_mm"),
         ("aperture_radius", "f_number"),
         ("focus_distance", "focus_point"),
+        ("focus_distance", "focus_pixel"),
+        ("focus_point", "focus_pixel"),
         ("target", "world_from_camera"),
         ("target", "gltf_camera"),
     ):
         if getattr(view, first) is not None and getattr(view, second) is not None:
             raise InvalidSetting(f"cannot be given together with {second}", field=f"camera.{first}")
+    if view.focus_pixel is not None:
+        for place, side in zip(view.focus_pixel, ("width", "height"), strict=True):
+            if place >= getattr(view, side):
+                raise InvalidSetting(
+                    f"must lie in the picture, less than {side} {getattr(view, side)} "
+                    f"(got {place:g})",
+                    field="camera.focus_pixel",
+                )
     if view.f_number is not None and view.focal_length_mm is None:
         raise InvalidSetting("needs focal_length_mm", field="camera.f_number")
 
