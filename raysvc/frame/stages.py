@@ -1,6 +1,7 @@
 """The stages of a frame, each a function from a draft of it to what it adds.
 
-    hybrid      rasterise -> layers -> shadows -> occlusion -> reflections -> light -> edges -> lens
+    hybrid      rasterise -> peel -> layers -> shadows -> occlusion -> reflections -> light -> edges
+                -> lens
     reference   rasterise -> layers -> paths
 
 Every stage is timed by the caller. Within a stage, chunks of points run on the frame's threads;
@@ -14,15 +15,15 @@ import numpy as np
 from raysvc import records
 from raysvc.frame.antialias import antialias
 from raysvc.frame.background import composite
+from raysvc.frame.defocus import defocus
 from raysvc.frame.draft import Draft
 from raysvc.frame.paths import paths
+from raysvc.frame.peel import peel
 from raysvc.frame.points import front
 from raysvc.frame.primary import CHUNK, points_of, rasterised
 from raysvc.frame.reflections import leaving
 from raysvc.frame.shadows import AreaShadow
 from raysvc.frame.shared_rays import trace_beyond
-from raysvc.lens.coc import coc_px
-from raysvc.lens.spread import spread
 from raysvc.lighting.ambient import Ambient
 from raysvc.parallel import for_chunks
 from raysvc.tracing.neighbours import Neighbours
@@ -183,19 +184,10 @@ def light(draft: Draft) -> None:
     draft.beauty = rgba.reshape(*draft.shape, 4)
 
 
-def defocus(draft: Draft) -> None:
-    """Give the picture a lens, if the camera has one."""
-    if draft.settings.lens == "none" or draft.camera.aperture_radius == 0.0:
-        return
-    coc = coc_px(draft.camera, draft.layers["depth"])
-    draft.layers["coc"] = coc
-    draft.ledger.max_coc_px = float(np.abs(coc).max())
-    draft.beauty = spread(draft.beauty, coc, draft.control, draft.ledger.warnings)
-
-
 STAGES: Final = {
     "hybrid": (
         ("rasterise", rasterise),
+        ("peel", peel),
         ("layers", write_layers),
         ("shadows", shadows),
         ("occlusion", occlusion),
