@@ -12,7 +12,7 @@ from raysvc.accel.base import Hits, Rays
 from raysvc.frame.draft import Draft
 from raysvc.frame.points import Points
 from raysvc.frame.primary import CHUNK, evaluated
-from raysvc.lens.coc import coc_px, depth_at
+from raysvc.lens.coc import background_coc_px, coc_px, depth_at
 from raysvc.lens.silhouettes import hiding
 from raysvc.lens.slices import slices_for
 from raysvc.parallel import map_chunks
@@ -35,7 +35,9 @@ def peel(draft: Draft) -> None:
     pixel = np.flatnonzero(draft.uncovered)
     begin = depth_at(draft.camera, draft.slices.beyond(coc[pixel]))
     known = np.isfinite(begin)
-    draft.uncovered[pixel[~known & (draft.slices.beyond(coc[pixel]) > _farthest(draft))]] = False
+    draft.uncovered[
+        pixel[~known & (draft.slices.beyond(coc[pixel]) > background_coc_px(draft.camera))]
+    ] = False
     pixel, begin = pixel[known], begin[known]
 
     def some(first: int, end: int) -> Points:
@@ -43,11 +45,6 @@ def peel(draft: Draft) -> None:
 
     found = map_chunks(len(pixel), CHUNK, some, draft.control)
     _add(draft, found)
-
-
-def _farthest(draft: Draft) -> float:
-    """Diameter of what is infinitely far away."""
-    return float(coc_px(draft.camera, np.float32([np.inf]))[0])
 
 
 def _last_of_pixels(draft: Draft) -> tuple[Longs, Floats]:

@@ -66,8 +66,15 @@ def checked_aperture(blades: int, rotation_deg: float) -> Aperture:
 def stamps(aperture: Aperture, largest_px: int) -> Stamps:
     """Return the tables of a shape, up to a diameter."""
     diameters = np.arange(largest_px * STEPS_PER_PX + 1) / STEPS_PER_PX
-    both = [_tables(aperture, diameters, turn) for turn in (1.0, -1.0)]
-    return Stamps(*(np.concatenate(parts) for parts in zip(*both, strict=True)), len(diameters))
+    behind, before = (_tables(aperture, diameters, turn) for turn in (1.0, -1.0))
+    return Stamps(
+        np.concatenate([behind[0], before[0]]),
+        np.concatenate([behind[1], before[1]]),
+        np.concatenate([behind[2], before[2]]),
+        np.concatenate([behind[3], before[3]]),
+        np.concatenate([behind[4], before[4]]),
+        len(diameters),
+    )
 
 
 def _tables(

@@ -42,6 +42,11 @@ def coc_px(camera: Camera, depth: Floats) -> Floats:
     return np.clip(lens_px * blur, -LARGEST_COC_PX, LARGEST_COC_PX).astype(np.float32)
 
 
+def background_coc_px(camera: Camera) -> float:
+    """Signed diameter, in pixels, of what is infinitely far away."""
+    return float(coc_px(camera, np.full(1, np.inf, np.float32))[0])
+
+
 def depth_at(camera: Camera, coc_px: Floats) -> Doubles:
     """Depth (N,) of points with given diameters (N,): the inverse of `coc_px`, given a lens.
 

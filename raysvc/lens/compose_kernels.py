@@ -22,9 +22,10 @@ def lay_behind(
     not covered yet. open_before: the same without the last slice. All float32. hidden: what was
     spread is what is hidden of the slice that was laid last.
 
-    Slices cover independently of each other, as in Porter and Duff 1984, but for this: a surface that
-    recedes goes on from one slice to the next, and there each covers just what the other leaves. So
-    of two slices next to each other, what no pixel has behind something counts as beside it.
+    Slices cover independently of each other, as in Porter and Duff 1984, but for this: a surface
+    that recedes goes on from one slice to the next, and there each covers just what the other
+    leaves. So of two slices next to each other, what no pixel has behind something counts as beside
+    it.
     """
     rows, width, _ = picture.shape
     for y in range(rows):

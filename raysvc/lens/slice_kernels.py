@@ -119,9 +119,9 @@ def collect(
 ) -> None:
     """Write the points of rows first..last where they belong.
 
-    place: (S, 2, levels, H) int64, number of the first free source of each row; counted up. out: takes
-    columns, diameters (those of the picture) and values. focus: (H, W, 5) float32 zeros, what is in
-    focus: premultiplied colour and how much it covers.
+    place: (S, 2, levels, H) int64, number of the first free source of each row; counted up. out:
+    takes columns, diameters (those of the picture) and values. focus: (H, W, 5) float32 zeros,
+    what is in focus: premultiplied colour and how much it covers.
     """
     width = focus.shape[1]
     for y in range(first, last):
@@ -193,11 +193,11 @@ def columns_of(sources: Sources, first: int, last: int) -> tuple[int, int]:
 
     Those of a row are in order.
     """
-    least, most = np.int64(1 << 40), np.int64(0)
+    least, most = 1 << 40, 0
     for y in range(first, last):
         if sources.begin[y] < sources.end[y]:
-            least = min(least, np.int64(sources.column[sources.begin[y]]))
-            most = max(most, np.int64(sources.column[sources.end[y] - 1]) + 1)
+            least = min(least, int(sources.column[sources.begin[y]]))
+            most = max(most, int(sources.column[sources.end[y] - 1]) + 1)
     return least, most
 
 

@@ -25,6 +25,8 @@ from raysvc.types import Floats
 
 LARGEST_VALUE = 2.0**40
 """Brighter pixels are limited to it, so that fixed point still resolves 1e-5 beside them."""
+LEAST_COVER = 0.01
+"""However large a blur is, it covers this much, so that there is something to divide by."""
 ROWS = 96
 """That are drawn at once: enough that few shapes are drawn twice, few enough for a cache."""
 EVEN = Bokeh()
@@ -82,8 +84,7 @@ def spread_points(
 ) -> Floats:
     """(H, W, 4) float32 premultiplied: what a lens makes of points, shown and hidden."""
     points = limited(points, control, warnings)
-    most = min(points.shape) / bokeh.half_per_diameter
-    points = replace(points, coc_px=np.clip(points.coc_px, -most, most).astype(np.float32))
+    points = within_reach(points, min(points.shape) / bokeh.half_per_diameter)
     ordered = sort(points, slices, control)
     pen = bokeh.pen(ordered.largest_px)
     picture = np.zeros((*points.shape, 4), np.float32)
@@ -99,6 +100,25 @@ def slices_of(points: LensPoints, layers: int | None) -> Slices:
     """Return the slices into which points fall."""
     least, largest = points.coc_px.min(initial=0.0), points.coc_px.max(initial=0.0)
     return slices_for(float(least), float(largest), layers)
+
+
+def within_reach(points: LensPoints, largest_px: float) -> LensPoints:
+    """Return points with diameters limited to `largest_px`, with which they cover all the picture.
+
+    What is limited covers as much less as it is smaller: the rest would fall beside the picture.
+    """
+    size = np.abs(points.coc_px)
+    if size.max(initial=0.0) <= largest_px:
+        return points
+    largest = np.float32(largest_px)
+    part = (largest / np.maximum(size, largest)).astype(np.float32)
+    share = np.maximum(part * part, np.float32(LEAST_COVER))
+    return replace(
+        points,
+        coc_px=points.coc_px * part,
+        rgba=points.rgba * share[:, None],
+        cover=points.cover * share,
+    )
 
 
 def limited(

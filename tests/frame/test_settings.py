@@ -15,7 +15,11 @@ from tests.frame.subjects import VIEW, still_life
         ({"bouncez": 1}, "settings.bouncez"),
         ({"bounces": 9}, "settings.bounces"),
         ({"bounces": -1}, "settings.bounces"),
-        ({"lens": "gather"}, "settings.lens"),
+        ({"lens": "scatter"}, "settings.lens"),
+        ({"lens_order": 4}, "settings.lens_order"),
+        ({"lens_layers": 0}, "settings.lens_layers"),
+        ({"aperture_blades": 2}, "settings.aperture_blades"),
+        ({"aperture_blades": 17}, "settings.aperture_blades"),
         ({"mode": "fast"}, "settings.mode"),
         ({"samples": 0}, "settings.samples"),
         ({"samples": 65537}, "settings.samples"),
@@ -65,6 +69,10 @@ CHANGES: dict[str, object] = {
     "occlusion_radius": 0.1,
     "ibl_lobe_samples": 1,
     "lens": "none",
+    "lens_shape": "box",
+    "lens_order": 2,
+    "lens_layers": 5,
+    "aperture_blades": 3,
     "aa": "none",
     "aa_samples": 2,
     "environment_yaw_deg": 90.0,
@@ -79,8 +87,8 @@ UNCHANGED: dict[str, object] = {
     "trees": "per_material",
     "passes": "multi",
 }
-SINGLE_VALUED = {"ibl", "ibl_order", "lens_order"}
-TESTED_ELSEWHERE = {"deadline_s", "samples"}
+SINGLE_VALUED = {"ibl", "ibl_order"}
+TESTED_ELSEWHERE = {"deadline_s", "samples", "aperture_rotation_deg"}
 
 
 def test_the_tables_name_every_setting() -> None:

@@ -30,7 +30,7 @@ def compiled() -> dict[str, int]:
     """How many specialisations each kernel of the frame has."""
     from raysvc.frame import composite_kernels
     from raysvc.geometry import triangle_kernels
-    from raysvc.lens import spread_kernels
+    from raysvc.lens import compose_kernels, silhouette_kernels, slice_kernels, sum_kernels
     from raysvc.lighting import clearcoat, direct_kernels, image_kernels
     from raysvc.reference import (
         environment_kernels,
@@ -51,7 +51,10 @@ def compiled() -> dict[str, int]:
     modules = (
         composite_kernels,
         triangle_kernels,
-        spread_kernels,
+        compose_kernels,
+        silhouette_kernels,
+        slice_kernels,
+        sum_kernels,
         clearcoat,
         direct_kernels,
         image_kernels,

@@ -244,7 +244,7 @@ def test_a_transparent_background_stays_transparent():
 def test_a_blur_larger_than_the_picture_is_finite_and_keeps_the_light(bokeh, rng):
     rgba = random_picture(rng, 64, 96)
     blurred = spread(rgba, even(rgba, -1e6), bokeh)
-    assert blurred.sum(dtype=float) == pytest.approx(rgba.sum(dtype=float), rel=1e-5)
+    assert blurred.sum(dtype=float) == pytest.approx(rgba.sum(dtype=float), rel=2e-5)
     assert blurred[..., :3].std() < 0.2 * rgba[..., :3].std()
 
 
