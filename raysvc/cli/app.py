@@ -10,6 +10,7 @@ from raysvc.cli.bench import bench
 from raysvc.cli.compare import compare
 from raysvc.cli.demo import demo
 from raysvc.cli.inspect import inspect
+from raysvc.cli.lens import lens
 from raysvc.cli.render import render
 from raysvc.cli.serve import serve
 from raysvc.cli.warmup import warmup
@@ -26,7 +27,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (serve, render, compare, inspect, warmup, demo):
+for command in (serve, render, lens, compare, inspect, warmup, demo):
     app.command()(command)
 app.add_typer(bench)
 

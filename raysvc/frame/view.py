@@ -10,7 +10,7 @@ from raysvc.errors import InvalidSetting
 from raysvc.geometry.transform import framed_distance, look_at
 from raysvc.limits import DEFAULT_LIMITS, Limits
 from raysvc.scene import Camera, Scene, SceneCamera
-from raysvc.types import Doubles
+from raysvc.types import Doubles, Floats
 
 Metres = Annotated[float, Field(ge=-1e9, le=1e9)]
 Vector = tuple[Metres, Metres, Metres]
@@ -92,6 +92,30 @@ def camera_from(view: View, scene: Scene, limits: Limits = DEFAULT_LIMITS) -> Ca
         half_height=projection[1],
         aperture_radius=_aperture_radius(view),
         focus_distance=_focus_distance(view, pose, scene),
+    )
+
+
+def camera_of_picture(view: View, depth: Floats) -> Camera:
+    """Return the camera of a finished picture with depth (H, W), of which only the lens matters.
+
+    The focus is, unless it is given, on what the middle of the picture shows. Raises InvalidSetting
+    naming the field.
+    """
+    height, width = depth.shape
+    _check_alternatives(view.model_copy(update={"width": width, "height": height}))
+    focus = view.focus_distance
+    if focus is None:
+        x, y = view.focus_pixel or (width / 2, height / 2)
+        focus = float(depth[int(y), int(x)])
+        if not math.isfinite(focus):
+            raise InvalidSetting("shows nothing that could be in focus", field="camera.focus_pixel")
+    return Camera(
+        world_from_camera=np.eye(4),
+        width=width,
+        height=height,
+        half_height=_projection(view, None)[1],
+        aperture_radius=_aperture_radius(view),
+        focus_distance=focus,
     )
 
 

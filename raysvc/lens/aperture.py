@@ -101,7 +101,7 @@ def _tables(
     covered = end > begin
     first = covered.argmax(axis=1)
     rows = covered.sum(axis=1)
-    packed = np.minimum(first[:, None] + np.arange(rows.max()), len(row) - 1)
+    packed = np.minimum(first[:, None] + np.arange(len(row)), len(row) - 1)
     area = np.maximum(end - begin, 0).sum(axis=1) / unit
     return (
         first - reach,
