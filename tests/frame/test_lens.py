@@ -1,12 +1,14 @@
 """The lens of a frame: what it shows of what is hidden, and what it leaves alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import raysvc
 from raysvc.builtin.mesh import Part, scene_of
 from raysvc.builtin.shapes import sheet, sphere
-from raysvc.scene import Material, Scene
+from raysvc.scene import Material, Scene, SceneCamera
 from tests.frame.subjects import constant_environment, still_life
 
 UNLIT = {"unlit": True, "double_sided": True}
@@ -144,3 +146,52 @@ def test_the_bits_do_not_depend_on_the_number_of_threads() -> None:
         for threads in (1, 3)
     )
     assert np.array_equal(one, two)
+
+
+@pytest.mark.parametrize("double_sided", [True, False])
+def test_the_inside_of_a_closed_thing_is_not_what_it_hides(double_sided: bool) -> None:
+    """A ray that goes on inside of a ball leaves it before it meets what the lens sees."""
+    red = Material("ball", (1.0, 0.0, 0.0, 1.0), unlit=True, double_sided=double_sided)
+    parts = [Part(sphere(0.5, 48).moved([0, 0, 2.0]), 0), upright(20, 20, [0, 0, -4], 1)]
+    scene = scene_of("ball", parts, [red, colour("g", (0, 1, 0))])
+    view = {"aperture_radius": 0.15, "focus_distance": 9.0}
+    true = rendered(scene, view, mode="reference", samples=256)
+    blurred = rendered(scene, view)
+    assert np.abs(blurred - true).mean() < 0.006
+
+
+def test_an_orthographic_lens_sees_behind_things_too() -> None:
+    pose = np.eye(4)
+    pose[:3, 3] = [0, 0, 5]
+    camera = SceneCamera(pose, height_m=4.0)
+    post = post_before_a_wall(RED)
+    scene = replace(post, cameras=(camera,))
+    view = {"width": 120, "height": 68, "gltf_camera": 0}
+    view |= {"aperture_radius": 0.4, "focus_distance": 7.0}
+    pictures = [
+        raysvc.render(scene, constant_environment(), view, PLAIN | mode).layers["beauty"]
+        for mode in ({}, {"mode": "reference", "samples": 256})
+    ]
+    assert pictures[1][..., 2].max() > 0.1
+    assert np.abs(pictures[0] - pictures[1])[10:-10].mean() < 0.01
+
+
+def test_without_a_lens_nothing_hidden_is_looked_for() -> None:
+    for lens, view in (("none", NEAR_BLUR), ("gather", NEAR_BLUR), ("spread", {})):
+        scene = post_before_a_wall(RED)
+        frame = raysvc.render(scene, camera=VIEW | view, settings={"lens": lens, "aa": "none"})
+        assert "primary" not in frame.statistics.rays
+    frame = raysvc.render(scene, camera=VIEW | NEAR_BLUR, settings={"aa": "none"})
+    assert 0 < frame.statistics.rays["primary"] < 0.6 * 120 * 68
+
+
+def test_small_lamps_out_of_focus_keep_their_light() -> None:
+    """A lamp of two pixels, anti-aliased, is spread with all of its light and no more."""
+    lamp = Material("lamp", (0.0, 0.0, 0.0, 1.0), emissive=(40.0, 40.0, 40.0))
+    balls = [Part(sphere(0.08, 16).moved([x, 0.3 * x, -20]), 0) for x in (-1.1, 0.03, 0.77)]
+    scene = scene_of("lamps", balls, [lamp])
+    view = {"fov_y_deg": 12.0, "focus_distance": 3.0}
+    sharp = rendered(scene, view)
+    blurred = rendered(scene, view | {"aperture_radius": 0.1})
+    assert blurred[..., 0].max() < 0.1 * sharp[..., 0].max()
+    assert blurred[..., 0].sum() == pytest.approx(sharp[..., 0].sum(), rel=0.02)
