@@ -23,6 +23,8 @@ def test_a_frame_after_the_specimen_compiles_nothing_new(mode: str) -> None:
     for shape in (scene, scene.deformed(2 * scene.positions)):
         raysvc.render(shape, camera=view, settings={"mode": mode, "samples": 1})
         raysvc.render(shape, camera=view, settings={"aa": "full", "texture_filter": "sat"})
+        for settings in ({"aperture_blades": 5}, {"lens_order": 3}, {"lens_shape": "box"}):
+            raysvc.render(shape, camera=view | {"aperture_radius": 2.0}, settings=settings)
     assert compiled() == before
 
 
@@ -30,7 +32,15 @@ def compiled() -> dict[str, int]:
     """How many specialisations each kernel of the frame has."""
     from raysvc.frame import composite_kernels
     from raysvc.geometry import triangle_kernels
-    from raysvc.lens import compose_kernels, silhouette_kernels, slice_kernels, sum_kernels
+    from raysvc.lens import (
+        aperture_kernels,
+        box_kernels,
+        compose_kernels,
+        fill_kernels,
+        silhouette_kernels,
+        slice_kernels,
+        sum_kernels,
+    )
     from raysvc.lighting import clearcoat, direct_kernels, image_kernels
     from raysvc.reference import (
         environment_kernels,
@@ -51,7 +61,10 @@ def compiled() -> dict[str, int]:
     modules = (
         composite_kernels,
         triangle_kernels,
+        aperture_kernels,
+        box_kernels,
         compose_kernels,
+        fill_kernels,
         silhouette_kernels,
         slice_kernels,
         sum_kernels,
