@@ -57,7 +57,7 @@ def name_of(
 ) -> str:
     """SHA-256 in hex of what decides a picture."""
     digest = hashlib.sha256()
-    _take(digest, (scene, environment, camera_from(view, scene)))
+    _take(digest, (scene, environment, camera_from(view, scene), view.focus_pixel))
     digest.update(settings.model_dump_json(exclude=DECIDES_NOTHING).encode())
     return digest.hexdigest()
 

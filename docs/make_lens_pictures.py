@@ -1,4 +1,7 @@
-"""Makes docs/images/lens.png: a scene in focus, spread, and seen through a sampled lens.
+"""Makes the pictures of docs/lens.md.
+
+lens.png: a scene in focus, spread, and seen through a sampled lens. lens_fence.png: a frame
+gathered and spread, and its reference. lens_bokeh.png: what a point becomes.
 
 Run from the root of the repository: python -m docs.make_lens_pictures
 """
@@ -7,9 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
+import raysvc
 from raysvc.imaging.encode import encode_png
 from raysvc.imaging.layer_picture import layer_picture
 from raysvc.imaging.tone_map import display8
+from raysvc.lens.aperture import Aperture
+from raysvc.lens.bokeh import Bokeh
 from raysvc.lens.coc import coc_px
 from raysvc.lens.spread import spread
 from raysvc.scene import Camera
@@ -99,7 +105,49 @@ def image(values):
 
 
 def main():
-    """Write the comparison: in focus, circles of confusion; spread, sampled lens."""
+    """Write all pictures."""
+    comparison()
+    fence()
+    bokeh()
+
+
+def fence():
+    """Gathered, spread, and through 256 samples of the lens per pixel."""
+    scene, light = raysvc.load("builtin:fence"), raysvc.load_environment("builtin:gradient")
+    view = {"gltf_camera": 0, "width": 400, "height": 225, "aperture_radius": 0.06}
+    view |= {"focus_distance": 5.0}
+    true = {"mode": "reference", "samples": 256}
+    frames = [
+        raysvc.render(scene, light, view, settings).display()[..., :3]
+        for settings in ({"lens": "gather"}, {}, true)
+    ]
+    write("lens_fence", np.concatenate(frames, axis=1))
+
+
+def bokeh():
+    """A highlight before and behind the focus through several openings, and as boxes."""
+    bokehs = [Bokeh(), *(Bokeh(aperture=Aperture(n)) for n in (3, 5, 6))]
+    bokehs += [Bokeh("box", order) for order in (1, 2, 3)]
+    rows = []
+    for diameter in (60.0, -60.0):
+        row = []
+        for each in bokehs:
+            rgba = np.zeros((96, 96, 4), np.float32)
+            rgba[..., 3] = 1.0
+            rgba[48, 48, :3] = 1400.0
+            coc = np.full((96, 96), diameter, np.float32)
+            row.append(display8(spread(rgba, coc, each)[..., :3].copy(), "linear"))
+        rows.append(np.concatenate(row, axis=1))
+    write("lens_bokeh", np.concatenate(rows))
+
+
+def write(name, picture):
+    """Write a picture of 8 bits."""
+    Path(f"docs/images/{name}.png").write_bytes(encode_png(np.ascontiguousarray(picture)))
+
+
+def comparison():
+    """In focus, circles of confusion; spread, sampled lens."""
     sharp, depth = pinhole()
     coc = coc_px(CAMERA, depth)
     blurred = spread(np.concatenate([sharp, np.ones_like(sharp[..., :1])], axis=2), coc)
@@ -107,7 +155,7 @@ def main():
     shown = [display8(each, "pbr_neutral") for each in (sharp, blurred[..., :3].copy(), truth)]
     rows = [[shown[0], layer_picture("coc", coc)], [shown[1], shown[2]]]
     sheet = np.concatenate([np.concatenate(row, axis=1) for row in rows])
-    Path("docs/images/lens.png").write_bytes(encode_png(sheet))
+    write("lens", sheet)
 
 
 if __name__ == "__main__":

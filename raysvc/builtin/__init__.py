@@ -5,6 +5,7 @@ from types import MappingProxyType
 
 from raysvc.builtin.clear_sky import clear_sky
 from raysvc.builtin.cornell import cornell
+from raysvc.builtin.fence import fence
 from raysvc.builtin.glass import glass
 from raysvc.builtin.gradient import gradient
 from raysvc.builtin.shiny import shiny
@@ -18,6 +19,7 @@ BUILTIN_SCENES: Mapping[str, Callable[[], Scene]] = MappingProxyType(
         "shiny": shiny,
         "glass": glass,
         "cornell": cornell,
+        "fence": fence,
     }
 )
 """Every built-in scene by name; each has a camera named "default"."""

@@ -11,6 +11,7 @@ from raysvc.cli.compare import compare
 from raysvc.cli.demo import demo
 from raysvc.cli.filter import filter_environment
 from raysvc.cli.inspect import inspect
+from raysvc.cli.lens import lens
 from raysvc.cli.render import render
 from raysvc.cli.serve import serve
 from raysvc.cli.warmup import warmup
@@ -27,7 +28,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (serve, render, compare, inspect, warmup, demo):
+for command in (serve, render, lens, compare, inspect, warmup, demo):
     app.command()(command)
 app.command("filter")(filter_environment)
 app.add_typer(bench)

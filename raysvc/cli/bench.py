@@ -12,7 +12,11 @@ from raysvc.cli.progress import progress_bar
 from raysvc.cli.tables import bench_table, frame_tables, sat_tables, show
 from raysvc.compare.benchmark import bench_structures
 from raysvc.compare.frame_scaling import SERIES, bench_frame
+from raysvc.compare.lens_benchmark import bench_lens
+from raysvc.compare.lens_subjects import lens_subjects
 from raysvc.compare.light_errors import DIRECTIONS
+from raysvc.compare.picture_comparison import difference_png
+from raysvc.compare.picture_difference import PictureDifference
 from raysvc.compare.sat_benchmark import SIZE, bench_sat
 from raysvc.frame.settings import checked, settings_from
 from raysvc.frame.view import View
@@ -128,6 +132,48 @@ def sat(
     _write(output, measured)
     for each in sat_tables(measured["results"]):
         show(each)
+
+
+@bench.command()
+def lens(
+    output: Output = None,
+    samples: Annotated[
+        int, typer.Option("--samples", min=0, max=65536, help="Of the reference; 0 for none.")
+    ] = 0,
+    scene: Annotated[
+        str | None, typer.Option("--scene", help="One more scene file: DepthOfFieldExample.glb.")
+    ] = None,
+    environment: Annotated[
+        str | None, typer.Option("--environment", "-e", help="What lights that scene.")
+    ] = None,
+    pictures: Annotated[
+        Path | None, typer.Option("--pictures", help="A folder for pictures.")
+    ] = None,
+    size: Annotated[
+        str, typer.Option("--size", help="WIDTHxHEIGHT of the pictures for the truth.")
+    ] = "640x360",
+    rounds: Rounds = 5,
+) -> None:
+    """Measure what the lens costs, and how near it is to a sampled one."""
+    _check(output)
+    if pictures is not None:
+        writable(pictures, "--pictures")
+    camera = camera_mapping(None, size)
+    light = None if environment is None else load_environment(environment)
+    subjects = lens_subjects(camera, scene, light) if samples > 0 else {}
+
+    def keep(name: str, difference: PictureDifference) -> None:
+        if pictures is not None:
+            pictures.mkdir(exist_ok=True)
+            (pictures / f"{name}.png").write_bytes(difference_png(difference))
+
+    with progress_bar("bench lens") as report:
+        control = Control(on_progress=report)
+        measured = bench_lens(subjects, samples, rounds=rounds, control=control, show=keep)
+    _write(output, measured)
+    show(bench_table(measured["results"]))
+    if measured["truth"]:
+        show(bench_table(measured["truth"]))
 
 
 def _check(output: Path | None) -> None:

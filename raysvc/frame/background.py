@@ -28,11 +28,22 @@ def composite(
     if settings.background == "transparent":
         return rgba
     open_ = np.flatnonzero(rgba[:, 3] < 1.0)
-    if settings.background == "environment":
-        _, directions = camera.rays(pixel[open_])
-        behind = prepared.light.radiance(directions)
-    else:
-        behind = np.broadcast_to(np.array(settings.background, np.float32), (len(open_), 3))
-    rgba[open_, :3] += (1.0 - rgba[open_, 3:]) * behind
+    rgba[open_, :3] += (1.0 - rgba[open_, 3:]) * behind_scene(
+        prepared, camera, settings, pixel[open_]
+    )[:, :3]
     rgba[open_, 3] = 1.0
+    return rgba
+
+
+def behind_scene(prepared: Prepared, camera: Camera, settings: Settings, pixel: Longs) -> Floats:
+    """Premultiplied linear RGBA (P, 4) of what pixels (P,) would show without a scene."""
+    rgba = np.zeros((len(pixel), 4), np.float32)
+    if settings.background == "transparent":
+        return rgba
+    rgba[:, 3] = 1.0
+    if settings.background == "environment":
+        _, directions = camera.rays(pixel)
+        rgba[:, :3] = prepared.light.radiance(directions)
+    else:
+        rgba[:, :3] = np.array(settings.background, np.float32)
     return rgba

@@ -17,6 +17,7 @@ from raysvc.frame.secondary_rays import SecondaryRays
 from raysvc.frame.settings import Settings
 from raysvc.frame.shadows import AreaShadow
 from raysvc.frame.statistics import Ledger
+from raysvc.lens.slices import Slices
 from raysvc.parallel import Control, map_chunks
 from raysvc.scene import Camera, Environment
 from raysvc.tracing.gloss import GlossPicture
@@ -43,6 +44,12 @@ class Draft:
     points: Points = field(init=False)
     front: Longs = field(init=False)
     """(H * W,) which point stands for a pixel in the layers, or -1."""
+    hidden: Bools = field(init=False)
+    """(N,) which points only a lens shows: those behind the front have no part in the pixel."""
+    slices: Slices | None = None
+    """What is blurred together; None where nothing is."""
+    uncovered: Bools | None = None
+    """(H * W,) pixels behind which the lens may see; None where there is no lens."""
     direct: Floats = field(init=False)
     """(N, 3) radiance that the points return of lights."""
     shadows: list[AreaShadow] = field(default_factory=list)

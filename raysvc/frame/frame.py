@@ -58,36 +58,45 @@ class Frame:
         With `layer`, that layer alone: as it is in exr and npz, made visible in the others.
         Raises InvalidSetting for a format or layer that there is not.
         """
-        if format not in FORMATS:
-            raise InvalidSetting(f"{format!r} is not one of {', '.join(FORMATS)}", field="format")
-        if layer is not None and layer not in self.layers:
-            known = ", ".join(self.layers)
-            raise InvalidSetting(f"no layer {layer!r}; there are {known}", field="layer")
-        if format in ("exr", "npz"):
-            layers = self.layers if layer is None else {layer: self.layers[layer]}
-            return encode_exr(layers) if format == "exr" else encode_npz(layers)
-        if format == "png16":
-            if layer not in (None, "beauty"):
-                raise InvalidSetting("only the picture has 16 bits; use exr", field="format")
-            settings = self.settings
-            return encode_png16(
-                display16(self.layers["beauty"], settings.tone_map, settings.exposure_stops)
-            )
-        if layer in (None, "beauty"):
-            shown = self.display()
-            # Alpha that says nothing is left out.
-            shown = shown if (shown[..., 3] < 255).any() else shown[..., :3]
-        else:
-            assert layer is not None
-            shown = layer_picture(layer, self.layers[layer])
-        encoders = {"png": encode_png, "jpg": encode_jpeg, "webp": encode_webp}
-        return encoders[format](shown)
+        return encode_layers(self.layers, self.settings, format, layer)
 
     def save(self, path: str | Path) -> None:
         """Write a file in the format that its suffix names; .jpeg is .jpg.
 
         Raises InvalidSetting for an unknown suffix.
         """
-        path = Path(path)
-        suffix = path.suffix.lower().lstrip(".")
-        path.write_bytes(self.encode("jpg" if suffix == "jpeg" else suffix))
+        save_layers(self.layers, self.settings, Path(path))
+
+
+def encode_layers(
+    layers: Mapping[str, NDArray[Any]], settings: Settings, format: str, layer: str | None = None
+) -> bytes:
+    """Encode layers, `beauty` among them, as `Frame.encode` says."""
+    if format not in FORMATS:
+        raise InvalidSetting(f"{format!r} is not one of {', '.join(FORMATS)}", field="format")
+    if layer is not None and layer not in layers:
+        raise InvalidSetting(f"no layer {layer!r}; there are {', '.join(layers)}", field="layer")
+    if format in ("exr", "npz"):
+        chosen = layers if layer is None else {layer: layers[layer]}
+        return encode_exr(chosen) if format == "exr" else encode_npz(chosen)
+    beauty, shown_as = layers["beauty"], (settings.tone_map, settings.exposure_stops)
+    if format == "png16":
+        if layer not in (None, "beauty"):
+            raise InvalidSetting("only the picture has 16 bits; use exr", field="format")
+        return encode_png16(display16(beauty, *shown_as))
+    if layer in (None, "beauty"):
+        shown = display8(beauty, *shown_as)
+        # Alpha that says nothing is left out.
+        shown = shown if (shown[..., 3] < 255).any() else shown[..., :3]
+    else:
+        assert layer is not None
+        shown = layer_picture(layer, layers[layer])
+    encoders = {"png": encode_png, "jpg": encode_jpeg, "webp": encode_webp}
+    return encoders[format](shown)
+
+
+def save_layers(layers: Mapping[str, NDArray[Any]], settings: Settings, path: Path) -> None:
+    """Write layers to a file, as `Frame.save` says."""
+    suffix = path.suffix.lower().lstrip(".")
+    format = "jpg" if suffix == "jpeg" else suffix
+    path.write_bytes(encode_layers(layers, settings, format))

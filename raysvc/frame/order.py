@@ -1,6 +1,6 @@
 """In which order the stages of a frame run.
 
-    hybrid      rasterise -> layers -> shadows -> occlusion -> probe -> reflections -> light
+    hybrid      rasterise -> peel -> layers -> shadows -> occlusion -> probe -> reflections -> light
                 -> edges -> lens
     reference   rasterise -> layers -> paths
 
@@ -10,14 +10,17 @@ Every stage is timed by the caller.
 from typing import Final
 
 from raysvc.frame.antialias import antialias
+from raysvc.frame.defocus import defocus
 from raysvc.frame.paths import paths
+from raysvc.frame.peel import peel
 from raysvc.frame.probe_capture import probe
 from raysvc.frame.shared_rays import trace_beyond
-from raysvc.frame.stages import defocus, light, occlusion, rasterise, shadows, write_layers
+from raysvc.frame.stages import light, occlusion, rasterise, shadows, write_layers
 
 STAGES: Final = {
     "hybrid": (
         ("rasterise", rasterise),
+        ("peel", peel),
         ("layers", write_layers),
         ("shadows", shadows),
         ("occlusion", occlusion),

@@ -45,7 +45,8 @@ def paths(draft: Draft) -> None:
         def some(begin: int, end: int, index: np.ndarray = index) -> None:
             pixel = np.repeat(np.arange(begin, end), len(index))
             draws = Draws(key[pixel], np.tile(index, end - begin))
-            rays = camera_rays(camera, pixel, draws.pairs(IN_PIXEL) - 0.5, draws.pairs(ON_LENS))
+            within, on_lens = draws.pairs(IN_PIXEL) - 0.5, draws.pairs(ON_LENS)
+            rays = camera_rays(camera, pixel, within, on_lens, settings.aperture)
             radiance, met = tracer.trace(rays, draws, draft.control)
             rgba = _over_background(draft, rays.directions, radiance, met)
             film.add(begin, end, rgba.reshape(end - begin, len(index), 4))

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from raysvc.frame.draft import Draft
+from raysvc.frame.focus import focused
 from raysvc.frame.frame import Frame
 from raysvc.frame.order import STAGES
 from raysvc.frame.prepared import prepare
@@ -70,6 +71,7 @@ def render(
     with ledger.stage("prepare"):
         control.progress("prepare", 0.0)
         prepared = prepare(scene, base, settings)
+        resolved = focused(resolved, view, prepared)
     illumination = Illumination(
         prepared,
         settings,

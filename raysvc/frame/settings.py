@@ -4,9 +4,11 @@ are errors."""
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from raysvc.errors import InvalidSetting, LimitExceeded
+from raysvc.lens.aperture import Aperture
+from raysvc.lens.bokeh import Bokeh
 from raysvc.limits import Limits
 from raysvc.scene import Camera
 
@@ -94,11 +96,40 @@ class Settings(BaseModel):
         description="Give rough metal back the light that its microfacets scatter more than once, "
         "which glTF's formula loses.",
     )
-    lens: Literal["spread", "none"] = Field(
+    lens: Literal["spread", "gather", "none"] = Field(
         "spread",
-        description="`spread` gives depth of field when the camera has an aperture; `none` never.",
+        description="How a camera with an aperture gets its depth of field: by spreading what is "
+        "out of focus (`spread`), by averaging about each pixel (`gather`: fast, and wrong at "
+        "silhouettes), or not at all.",
     )
-    lens_order: Literal[1] = Field(1, description="Order of the spreading filter; 1 is a box.")
+    lens_shape: Literal["aperture", "box"] = Field(
+        "aperture",
+        description="What a point out of focus becomes: the shape of the `aperture`, or a `box` as "
+        "wide on the whole.",
+    )
+    lens_order: int = Field(
+        1,
+        ge=1,
+        le=3,
+        description="Order of the spreading filter: 1 is even, 2 and 3 are boxes folded with "
+        "themselves, ever smoother.",
+    )
+    lens_layers: int | None = Field(
+        None,
+        ge=1,
+        le=16,
+        description="Slices of what is out of focus, which hide each other; by default as many as "
+        "there are octaves of blur.",
+    )
+    aperture_blades: int = Field(
+        0, ge=0, le=16, description="Corners of the lens's opening; 0 is a disc."
+    )
+    aperture_rotation_deg: float = Field(
+        0.0,
+        ge=-360,
+        le=360,
+        description="Turns the opening counter-clockwise; without, one corner is up.",
+    )
     aa: Literal["edges", "directional", "full", "none"] = Field(
         "edges",
         description="Extra samples on `edges` only, or on the `full` picture; `directional` "
@@ -133,6 +164,24 @@ class Settings(BaseModel):
     deadline_s: float | None = Field(
         None, gt=0, le=86400, description="Give up after so many seconds."
     )
+
+    @field_validator("aperture_blades")
+    @classmethod
+    def _makes_a_polygon(cls, blades: int) -> int:
+        if blades in (1, 2):
+            raise ValueError("must be 0 for a disc, or 3 and more")
+        return blades
+
+    @property
+    def bokeh(self) -> Bokeh:
+        """What the lens makes of a point."""
+        boxed = self.lens_shape == "box" or self.lens_order > 1
+        return Bokeh("box" if boxed else "aperture", self.lens_order, self.aperture)
+
+    @property
+    def aperture(self) -> Aperture:
+        """The lens's opening."""
+        return Aperture(self.aperture_blades, self.aperture_rotation_deg)
 
     @property
     def bounce_limit(self) -> int:

@@ -13,8 +13,6 @@ from raysvc.frame.points import front
 from raysvc.frame.primary import CHUNK, points_of, rasterised
 from raysvc.frame.reflections import leaving
 from raysvc.frame.shadows import AreaShadow
-from raysvc.lens.coc import coc_px
-from raysvc.lens.spread import spread
 from raysvc.lighting.ambient import Ambient
 from raysvc.parallel import for_chunks
 from raysvc.tracing.neighbours import Neighbours
@@ -178,13 +176,3 @@ def light(draft: Draft) -> None:
 
     for_chunks(len(pixel), CHUNK, compose, draft.control)
     draft.beauty = rgba.reshape(*draft.shape, 4)
-
-
-def defocus(draft: Draft) -> None:
-    """Give the picture a lens, if the camera has one."""
-    if draft.settings.lens == "none" or draft.camera.aperture_radius == 0.0:
-        return
-    coc = coc_px(draft.camera, draft.layers["depth"])
-    draft.layers["coc"] = coc
-    draft.ledger.max_coc_px = float(np.abs(coc).max())
-    draft.beauty = spread(draft.beauty, coc, draft.control, draft.ledger.warnings)

@@ -10,10 +10,11 @@ from raysvc.errors import InvalidSetting
 from raysvc.geometry.transform import framed_distance, look_at
 from raysvc.limits import DEFAULT_LIMITS, Limits
 from raysvc.scene import Camera, Scene, SceneCamera
-from raysvc.types import Doubles
+from raysvc.types import Doubles, Floats
 
 Metres = Annotated[float, Field(ge=-1e9, le=1e9)]
 Vector = tuple[Metres, Metres, Metres]
+PixelPlace = Annotated[float, Field(ge=0, le=1e6)]
 Row = tuple[Metres, Metres, Metres, Metres]
 
 DEFAULT_VIEW = (0.45, 0.35, 1.0)
@@ -62,10 +63,19 @@ class View(BaseModel):
     focus_point: Vector | None = Field(
         None, description="A point that is sharp, instead of focus_distance."
     )
+    focus_pixel: tuple[PixelPlace, PixelPlace] | None = Field(
+        None,
+        description="A place in the picture, [x, y] in pixels from its upper left corner: what it "
+        "shows is sharp, instead of focus_distance.",
+    )
 
 
 def camera_from(view: View, scene: Scene, limits: Limits = DEFAULT_LIMITS) -> Camera:
-    """Resolve a view against a scene. Raises InvalidSetting naming the field."""
+    """Resolve a view against a scene. Raises InvalidSetting naming the field.
+
+    What `focus_pixel` shows only a ray can tell (`raysvc.frame.focus`): until then the focus is as
+    if it had not been given.
+    """
     _check_size(view, limits)
     _check_alternatives(view)
     if view.gltf_camera is not None:
@@ -82,6 +92,30 @@ def camera_from(view: View, scene: Scene, limits: Limits = DEFAULT_LIMITS) -> Ca
         half_height=projection[1],
         aperture_radius=_aperture_radius(view),
         focus_distance=_focus_distance(view, pose, scene),
+    )
+
+
+def camera_of_picture(view: View, depth: Floats) -> Camera:
+    """Return the camera of a finished picture with depth (H, W), of which only the lens matters.
+
+    The focus is, unless it is given, on what the middle of the picture shows. Raises InvalidSetting
+    naming the field.
+    """
+    height, width = depth.shape
+    _check_alternatives(view.model_copy(update={"width": width, "height": height}))
+    focus = view.focus_distance
+    if focus is None:
+        x, y = view.focus_pixel or (width / 2, height / 2)
+        focus = float(depth[int(y), int(x)])
+        if not math.isfinite(focus):
+            raise InvalidSetting("shows nothing that could be in focus", field="camera.focus_pixel")
+    return Camera(
+        world_from_camera=np.eye(4),
+        width=width,
+        height=height,
+        half_height=_projection(view, None)[1],
+        aperture_radius=_aperture_radius(view),
+        focus_distance=focus,
     )
 
 
@@ -104,11 +138,21 @@ def _check_alternatives(view: View) -> None:
         ("fov_y_deg", "focal_length_mm"),
         ("aperture_radius", "f_number"),
         ("focus_distance", "focus_point"),
+        ("focus_distance", "focus_pixel"),
+        ("focus_point", "focus_pixel"),
         ("target", "world_from_camera"),
         ("target", "gltf_camera"),
     ):
         if getattr(view, first) is not None and getattr(view, second) is not None:
             raise InvalidSetting(f"cannot be given together with {second}", field=f"camera.{first}")
+    if view.focus_pixel is not None:
+        for place, side in zip(view.focus_pixel, ("width", "height"), strict=True):
+            if place >= getattr(view, side):
+                raise InvalidSetting(
+                    f"must lie in the picture, less than {side} {getattr(view, side)} "
+                    f"(got {place:g})",
+                    field="camera.focus_pixel",
+                )
     if view.f_number is not None and view.focal_length_mm is None:
         raise InvalidSetting("needs focal_length_mm", field="camera.f_number")
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from raysvc.builtin.mesh import Part, scene_of
 from raysvc.builtin.shapes import sheet, sphere
+from raysvc.frame.refocus import refocus
 from raysvc.frame.render import render
 from raysvc.frame.view import View
 from raysvc.parallel import Control
@@ -15,13 +16,24 @@ VIEW = View(eye=(0.0, 0.4, 3.0), target=(0.0, 0.0, 0.0), width=32, height=18, ap
 def warm_up(control: Control | None = None) -> None:
     """Render small pictures that go through every stage and every kind of material.
 
-    And move a vertex, which is done before a frame.
+    And move a vertex, which is done before a frame, and blur by more than those pictures are.
     """
     scene = specimen()
     render(scene, camera=VIEW, settings={"texture_filter": "sat"}, control=control)
     render(scene, {"probe_at": (0.0, 0.0, 0.0), "size": 16}, VIEW, control=control)
     render(scene, camera=VIEW, settings={"mode": "reference", "samples": 1}, control=control)
     scene.deformed(scene.positions)
+    _warm_up_lens(control)
+
+
+def _warm_up_lens(control: Control | None) -> None:
+    """Blur a small picture by circles small and large, through every bokeh."""
+    rgba = np.ones((48, 64, 4), np.float32)
+    depth = np.geomspace(0.05, 50.0, 64, dtype=np.float32) * np.ones((48, 1), np.float32)
+    depth[:, 20:30] = 0.02
+    lens = {"aperture_radius": 0.5, "focus_distance": 1.0}
+    for bokeh in ({}, {"lens_shape": "box"}, {"lens_order": 2}, {"lens": "gather"}):
+        refocus(rgba, depth.astype(np.float32), lens, bokeh, control=control)
 
 
 def specimen() -> Scene:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from raysvc.scene import Camera
-from raysvc.types import Floats
+from raysvc.types import Doubles, Floats
 
 LARGEST_COC_PX = 1e6
 """Limit of what is returned; far beyond any picture, and finite."""
@@ -40,3 +40,23 @@ def coc_px(camera: Camera, depth: Floats) -> Floats:
         else:
             blur = 1.0 / camera.focus_distance - 1.0 / z
     return np.clip(lens_px * blur, -LARGEST_COC_PX, LARGEST_COC_PX).astype(np.float32)
+
+
+def background_coc_px(camera: Camera) -> float:
+    """Signed diameter, in pixels, of what is infinitely far away."""
+    return float(coc_px(camera, np.full(1, np.inf, np.float32))[0])
+
+
+def depth_at(camera: Camera, coc_px: Floats) -> Doubles:
+    """Depth (N,) of points with given diameters (N,): the inverse of `coc_px`, given a lens.
+
+    inf where not even the background is blurred as much.
+    """
+    lens_px = 2.0 * camera.aperture_radius / camera.metres_per_pixel_at_unit_depth
+    blur = coc_px.astype(np.float64) / lens_px
+    if camera.projection == "orthographic":
+        return camera.focus_distance * np.maximum(blur + 1.0, 0.0)
+    nearness = 1.0 / camera.focus_distance - blur
+    with np.errstate(divide="ignore"):
+        depth: Doubles = 1.0 / np.maximum(nearness, 0.0)
+    return depth

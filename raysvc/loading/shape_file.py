@@ -17,13 +17,10 @@ from raysvc.errors import InvalidScene
 from raysvc.limits import DEFAULT_LIMITS
 from raysvc.loading.archive import unpack
 from raysvc.loading.files import read_regular
+from raysvc.loading.npy_file import LONGEST_HEADER, WIDEST_NUMBER, npy_array
 
 NPY_MAGIC = b"\x93NUMPY"
 ZIP_MAGIC = b"PK"
-LONGEST_HEADER = 10_000
-"""Characters of an .npy header; NumPy itself reads no longer ones."""
-WIDEST_NUMBER = 8
-"""Bytes; float64."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,28 +105,10 @@ def _npz(data: bytes, vertices: int) -> Shape:
 
 
 def _npy(data: bytes | bytearray, vertices: int, field: str) -> NDArray[Any]:
-    file = io.BytesIO(data[: LONGEST_HEADER + 128])
     try:
-        version = np.lib.format.read_magic(file)
-        if version == (1, 0):
-            header = np.lib.format.read_array_header_1_0(file, LONGEST_HEADER)
-        elif version == (2, 0):
-            header = np.lib.format.read_array_header_2_0(file, LONGEST_HEADER)
-        else:
-            raise ValueError(f"version {version} of the format")
-        shape, by_columns, dtype = header
-    except Exception as error:
-        # The header is a Python literal, and its parser is not ours.
-        raise InvalidScene(f"is not an .npy file: {str(error)[:200]}", field) from None
-    if dtype.kind not in "fiu" or dtype.itemsize > WIDEST_NUMBER:
-        raise InvalidScene(f"needs real numbers of at most 64 bits, has {dtype}", field)
-    if shape != (vertices, 3):
-        raise InvalidScene(f"needs the shape {(vertices, 3)}, has {shape}", field)
-    start, expected = file.tell(), 3 * vertices * dtype.itemsize
-    if len(data) - start != expected:
-        raise InvalidScene(f"has {len(data) - start:,} bytes of numbers, not {expected:,}", field)
-    numbers = np.frombuffer(data, dtype, offset=start)
-    return numbers.reshape(shape, order="F" if by_columns else "C")
+        return npy_array(data, (vertices, 3))
+    except ValueError as error:
+        raise InvalidScene(str(error), field) from None
 
 
 def _largest_array(vertices: int) -> int:

@@ -24,6 +24,8 @@ def test_a_frame_after_the_specimen_compiles_nothing_new(mode: str) -> None:
         raysvc.render(shape, camera=view, settings={"mode": mode, "samples": 1})
         raysvc.render(shape, camera=view, settings={"aa": "full", "texture_filter": "sat"})
         raysvc.render(shape, {"probe_at": [-0.9, 0.8, 0.0], "size": 16}, view)
+        for settings in ({"aperture_blades": 5}, {"lens_order": 3}, {"lens_shape": "box"}):
+            raysvc.render(shape, camera=view | {"aperture_radius": 2.0}, settings=settings)
     assert compiled() == before
 
 
@@ -31,7 +33,15 @@ def compiled() -> dict[str, int]:
     """How many specialisations each kernel of the frame has."""
     from raysvc.frame import composite_kernels
     from raysvc.geometry import triangle_kernels
-    from raysvc.lens import spread_kernels
+    from raysvc.lens import (
+        aperture_kernels,
+        box_kernels,
+        compose_kernels,
+        fill_kernels,
+        silhouette_kernels,
+        slice_kernels,
+        sum_kernels,
+    )
     from raysvc.lighting import clearcoat, cube_map_kernels, direct_kernels, image_kernels
     from raysvc.reference import (
         environment_kernels,
@@ -52,7 +62,13 @@ def compiled() -> dict[str, int]:
     modules = (
         composite_kernels,
         triangle_kernels,
-        spread_kernels,
+        aperture_kernels,
+        box_kernels,
+        compose_kernels,
+        fill_kernels,
+        silhouette_kernels,
+        slice_kernels,
+        sum_kernels,
         clearcoat,
         cube_map_kernels,
         direct_kernels,

@@ -1,46 +1,108 @@
-"""Spreading the slow way: every square drawn pixel by pixel, in double precision."""
+"""Spreading the slow way: every shape drawn pixel by pixel, in double precision."""
 
 import numpy as np
 
+SIDE = np.sqrt(3) / 2
 
-def coverage(begin, end, size):
+
+def along(begin, end, size):
     """(size,) how much of each pixel [begin, end) covers, what leaves 0..size mirrored back in."""
     edges = np.arange(-size, 2 * size, dtype=float)
     covered = np.clip(np.minimum(edges + 1, end) - np.maximum(edges, begin), 0, None)
-    left, inside, right = covered[:size], covered[size : 2 * size], covered[2 * size :]
-    return inside + left[::-1] + right[::-1]
+    return mirrored(covered)
 
 
-def splat(values, membership, side):
-    """(C, H, W) sums of values (C, H, W) times membership (H, W) over squares of side (H, W)."""
+def mirrored(values):
+    """(n, ...) of (3n, ...): the parts before and after are mirrored back into the middle one."""
+    size = len(values) // 3
+    return values[size : 2 * size] + values[:size][::-1] + values[2 * size :][::-1]
+
+
+def square(y, x, diameter, height, width):
+    """(H, W) share of a point in pixel (y, x) that each pixel gets of its square."""
+    half = np.rint(diameter * SIDE / 2 * 64) / 64
+    down = along(y + 0.5 - half, y + 0.5 + half, height)
+    across = along(x + 0.5 - half, x + 0.5 + half, width)
+    return np.outer(down, across) / (4 * half**2)
+
+
+def smooth(order):
+    """The same for a box of an order: folded with itself by np.convolve."""
+
+    def share(y, x, diameter, height, width):
+        kernel = smooth_kernel(diameter, order)
+        lines = []
+        for at, size in ((y, height), (x, width)):
+            line = np.zeros((3 * size, 2))
+            first = size + at - len(kernel[0]) // 2
+            for k in range(2):
+                begin = size + at - len(kernel[k]) // 2
+                line[begin : begin + len(kernel[k]), k] = kernel[k]
+            assert first >= 0
+            lines.append(mirrored(line))
+        down, across = lines
+        parts = mix(diameter, order)
+        return sum(parts[k] * np.outer(down[:, k], across[:, k]) for k in range(2))
+
+    return share
+
+
+def mix(diameter, order):
+    """How much there is of the narrower and of the wider box."""
+    square_width = 0.75 * diameter**2 / order + 1
+    width = odd_below(np.sqrt(square_width))
+    wider = (square_width - width**2) / ((width + 2) ** 2 - width**2)
+    return 1 - wider, wider
+
+
+def odd_below(value):
+    return int(np.floor((value - 1) / 2 + 1e-12)) * 2 + 1
+
+
+def smooth_kernel(diameter, order):
+    width = odd_below(np.sqrt(0.75 * diameter**2 / order + 1))
+    found = []
+    for w in (width, width + 2):
+        line = np.ones(1)
+        for _ in range(order):
+            line = np.convolve(line, np.full(w, 1 / w))
+        found.append(line)
+    return found
+
+
+def aperture(blades=0, rotation_deg=0.0, samples=32):
+    """The same for a disc or polygon: many points of each pixel are asked if they are inside."""
+    corners = np.radians(90 + rotation_deg) + np.arange(max(blades, 1)) * 2 * np.pi / max(blades, 1)
+
+    def inside(u, v):
+        if blades == 0:
+            return u**2 + v**2 <= 1
+        found = np.ones(np.broadcast(u, v).shape, bool)
+        for a, b in zip(corners, np.roll(corners, -1), strict=True):
+            # Counter-clockwise with v up: inside is to the left of every side.
+            found &= (np.cos(b) - np.cos(a)) * (v - np.sin(a)) >= (np.sin(b) - np.sin(a)) * (
+                u - np.cos(a)
+            )
+        return found
+
+    def share(y, x, diameter, height, width):
+        radius = abs(diameter) / 2 * (1 if diameter > 0 else -1)
+        at = (np.arange(3 * height * samples) + 0.5) / samples - height
+        across = (np.arange(3 * width * samples) + 0.5) / samples - width
+        covered = inside((across - x - 0.5) / radius, -(at[:, None] - y - 0.5) / radius)
+        covered = covered.reshape(3 * height, samples, 3 * width, samples).mean(axis=(1, 3))
+        return mirrored(mirrored(covered).T).T / covered.sum()
+
+    return share
+
+
+def splat(values, membership, diameter, share=square):
+    """(C, H, W) sums of values (C, H, W) by membership (H, W) over shapes of diameters (H, W)."""
     _, height, width = values.shape
     out = np.zeros(values.shape)
     for y in range(height):
         for x in range(width):
             if membership[y, x] > 0:
-                half = side[y, x] / 2
-                down = coverage(y + 0.5 - half, y + 0.5 + half, height)
-                across = coverage(x + 0.5 - half, x + 0.5 + half, width)
-                square = np.outer(down, across) * membership[y, x] / side[y, x] ** 2
-                out += values[:, y, x, None, None] * square
+                part = share(y, x, diameter[y, x], height, width) * membership[y, x]
+                out += values[:, y, x, None, None] * part
     return out
-
-
-def spread(rgba, coc):
-    """(H, W, 4) blur of a picture with nothing nearer than the focus, from the definition."""
-    side = np.minimum(np.abs(coc) * np.sqrt(3) / 2, 2 * min(coc.shape)).astype(float)
-    sharp = side <= 1
-    share = np.clip(np.log2(np.maximum(side, 1) / 4) / 2, 0, 1)
-    values = np.concatenate([np.moveaxis(rgba, 2, 0), np.ones((1, *coc.shape))])
-    picture, known = np.zeros(rgba.shape), np.zeros(coc.shape)
-    for membership in (share, 1 - share):
-        sums = splat(values, np.where(sharp, 0, membership), side)
-        for y, x in np.argwhere(sums[4] > 0):
-            weight = sums[4, y, x]
-            cover = min(weight, 1)
-            rest = (1 - cover) * known[y, x]
-            front = sums[:4, y, x] / weight
-            picture[y, x] = (cover * front + rest * picture[y, x]) / (cover + rest)
-            known[y, x] = max(known[y, x], min(1, 2 * weight))
-    picture[sharp] = rgba[sharp]
-    return picture

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from raysvc.lens.aperture import Aperture, extent
 from raysvc.lens.coc import coc_px
-from raysvc.reference.eye import camera_rays, on_disc
+from raysvc.reference.eye import camera_rays, on_aperture, on_disc
 from tests.scenes import camera
 
 LENS = {"aperture_radius": 0.08, "focus_distance": 3.0}
@@ -76,3 +77,23 @@ def test_the_disc_is_covered_evenly(rng):
 
 def test_the_middle_of_the_square_is_the_middle_of_the_disc():
     assert (on_disc(np.array([[0.5, 0.5]])) == 0).all()
+
+
+@pytest.mark.parametrize("aperture", [Aperture(3), Aperture(5, 17.0), Aperture(8, -30.0)])
+def test_a_polygon_is_covered_evenly_and_to_its_corners(rng, aperture):
+    x, y = on_aperture(aperture, rng.random((200_000, 2))).T
+    left, right = extent(aperture, y)
+    assert np.all((x >= left - 1e-9) & (x <= right + 1e-9))
+    assert np.hypot(x, y).max() == pytest.approx(1.0, abs=0.02)
+    # Of each height there is as much as the polygon is wide there.
+    edges = np.linspace(-1, 1, 41)
+    middle = (edges[1:] + edges[:-1]) / 2
+    low, high = extent(aperture, middle)
+    wide = np.maximum(high - low, 0)
+    found = np.histogram(y, edges)[0] / len(y)
+    np.testing.assert_allclose(found, wide / wide.sum(), atol=0.004)
+
+
+def test_one_corner_is_up():
+    corner = on_aperture(Aperture(5), np.array([[0.0, 1.0]]))
+    np.testing.assert_allclose(corner, [[0.0, 1.0]], atol=1e-12)
