@@ -12,7 +12,7 @@ from raysvc.imaging.encode import encode_png
 from raysvc.imaging.sat import box_sums, summed_area_table
 from raysvc.imaging.sat_orders import ORDERS, integrated, spline_means
 from raysvc.imaging.tone_map import display8
-from raysvc.lighting.sun import extract_sun
+from raysvc.lighting.sun import extract_suns
 
 FINER = 4
 """Texels of a map of 4096 x 2048 for each of the built-in sky."""
@@ -44,7 +44,7 @@ def mean_free(image, **asked):
 def picture():
     """A sky under a small box: float32, float32 without sun and mean, float64."""
     sky = raysvc.load_environment("builtin:clear_sky").radiance
-    _, sunless = extract_sun(sky)
+    _, sunless = extract_suns(sky)
     sky, sunless = (each.repeat(FINER, 0).repeat(FINER, 1) for each in (sky, sunless))
     without_mean, mean = mean_free(sunless)
     tables = [
