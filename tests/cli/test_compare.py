@@ -142,11 +142,15 @@ def test_frames_are_benchmarked(tmp_path: Path, capsys: Capture) -> None:
 def test_summed_area_tables_are_benchmarked(tmp_path: Path, capsys: Capture) -> None:
     path = tmp_path / "s.json"
     words = ["bench", "sat", "--size", "16x12", "--rounds", "1", "--json", str(path)]
-    assert run(words) == 0
+    assert run([*words, "--directions", "4", "-e", "builtin:gradient"]) == 0
     measured = json.loads(path.read_text())
     assert {"machine", "version", "results"} <= set(measured)
-    assert {r["measured"] for r in measured["results"]} == {"build", "lookup"}
-    assert {(r["width"], r["height"]) for r in measured["results"]} == {(16, 12)}
+    kinds = {r["measured"] for r in measured["results"]}
+    assert kinds == {"build", "lookup", "light", "error"}
+    tables = [r for r in measured["results"] if r["measured"] in ("build", "lookup")]
+    assert {(r["width"], r["height"]) for r in tables} == {(16, 12)}
+    maps = {r["map"] for r in measured["results"] if r["measured"] == "error"}
+    assert maps == {"builtin:gradient"}
     shown = capsys.readouterr()
     assert "doubling" in shown.out and "mlookups_per_s" in shown.out
     assert shown.err == ""

@@ -223,6 +223,8 @@ def test_statistics_have_every_field_of_the_specification() -> None:
         "bounces",
         "shading",
         "build",
+        "environment",
+        "probe",
         "edge_fraction",
         "max_coc_px",
         "warnings",
@@ -231,6 +233,9 @@ def test_statistics_have_every_field_of_the_specification() -> None:
     names = [stage["name"] for stage in statistics["stages"]]
     assert names[:2] == ["prepare", "rasterise"] and names[-1] == "lens"
     assert {"shadow", "occlusion", "reflection", "primary"} <= set(statistics["rays"])
+    environment = statistics["environment"]
+    assert (environment["ibl"], environment["order"], environment["builder"]) == ("sat", 2, "fused")
+    assert environment["suns"] == 1 and environment["seconds"] >= 0
     assert 0 < statistics["edge_fraction"] < 0.5
 
 
