@@ -1,4 +1,4 @@
-"""Draws docs/images/probe.png: reflections by rays on the left, out of a probe on the right.
+"""Draws docs/images/dynamic_environments.png: reflections by rays on the left, out of a probe on the right.
 
 Run from the root of the repository: python -m docs.make_probe_picture
 """
@@ -34,7 +34,7 @@ def main() -> None:
             for around in (None, {**probe, "size": 256})
         ]
         rows.append(np.hstack([frame.display()[..., :3] for frame in frames]))
-    Image.fromarray(np.vstack(rows)).save(IMAGES / "probe.png", optimize=True)
+    Image.fromarray(np.vstack(rows)).save(IMAGES / "dynamic_environments.png", optimize=True)
 
 
 def yard() -> Scene:
