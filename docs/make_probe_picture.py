@@ -1,4 +1,5 @@
-"""Draws docs/images/dynamic_environments.png: reflections by rays on the left, out of a probe on the right.
+"""Draws docs/images/dynamic_environments.png: reflections by rays on the left, out of a probe on
+the right.
 
 Run from the root of the repository: python -m docs.make_probe_picture
 """
