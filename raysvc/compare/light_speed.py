@@ -71,7 +71,7 @@ class LitPicture:
 
         def work(begin: int, end: int) -> None:
             some = surface.rows(begin, end)
-            lobe = specular_lobe(light, some, light.specular_albedo(some), Filtering().lookups)
+            lobe = specular_lobe(light, some, light.specular_albedo(some))
             shown[begin:end] = lobe + light.diffuse(some)
 
         for_chunks(surface.size, CHUNK, work, control)

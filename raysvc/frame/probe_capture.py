@@ -23,6 +23,7 @@ from raysvc.frame.probe_light import WITHOUT_SUN_RAD, Captured, ProbeLight
 from raysvc.frame.radiance import glossiness
 from raysvc.frame.reflections import Reflection, Transmission
 from raysvc.frame.secondary_rays import SecondaryRays
+from raysvc.frame.settings import Settings
 from raysvc.frame.shared_rays import trace_beyond
 from raysvc.frame.stages import gather_ambient, light, rasterise, shadows, write_layers
 from raysvc.frame.statistics import ProbeCost
@@ -41,19 +42,23 @@ FREE_OF_RAYS: Final = {"bounces": 0, "aa": "none", "lens": "none", "background":
 _CAPTURED: Kept[Environment, Kept[Scene, Captured]] = Kept()
 
 
-DECISIVE: Final = {
-    "structure",
-    "trees",
-    "texture_filter",
-    "shadows",
-    "occlusion_samples",
-    "occlusion_radius",
-    "ibl_lobe_samples",
-    "environment_yaw_deg",
-    "environment_strength",
-    "seed",
+INDIFFERENT: Final = {
+    "mode",
+    "samples",
+    "passes",
+    "lens_shape",
+    "lens_order",
+    "lens_layers",
+    "aperture_blades",
+    "aperture_rotation_deg",
+    "aa_samples",
+    "exposure_stops",
+    "tone_map",
+    "threads",
+    "deadline_s",
 }
-"""Settings that what is captured depends on."""
+"""Settings that what is captured does not depend on. A probe is kept while all others are the same:
+one that is forgotten here costs a capture, and never shows an old one."""
 
 
 def probe(draft: Draft) -> None:
@@ -64,12 +69,13 @@ def probe(draft: Draft) -> None:
     """
     if draft.probe is None:
         return
-    asked, decisive = draft.probe, draft.settings.model_dump(include=DECISIVE)
+    asked, settings = draft.probe, draft.settings.model_copy(update=FREE_OF_RAYS)
+    decisive = settings.model_dump(exclude=INDIFFERENT)
     scenes, _ = _CAPTURED.get(draft.environment, None, Kept)
     captured, had = scenes.get(
         draft.prepared.scene,
         (asked, *decisive.items()),
-        lambda: _capture(draft, asked),
+        lambda: _capture(draft, asked, settings),
     )
     draft.ledger.probe = ProbeCost(
         at=asked.probe_at,
@@ -79,15 +85,13 @@ def probe(draft: Draft) -> None:
         capture_seconds=0.0 if had else captured.capture_seconds,
         tables_seconds=0.0 if had else captured.tables_seconds,
     )
-    lookups = draft.settings.ibl_lobe_samples
-    draft.rays.show(ProbeLight(captured, draft.prepared, lookups, draft.ledger))
+    draft.rays.show(ProbeLight(captured, draft.prepared, draft.ledger))
 
 
-def _capture(draft: Draft, probe: Probe) -> Captured:
+def _capture(draft: Draft, probe: Probe, settings: Settings) -> Captured:
     prepared, control = draft.prepared, draft.control
     start = time.perf_counter()
     shown = probe.shown(prepared.scene)
-    settings = draft.settings.model_copy(update=FREE_OF_RAYS)
     cameras = face_cameras(np.array(probe.probe_at, np.float64), probe.size)
     side = cameras[0].width
     around, lamps = np.empty((2, len(cameras), side, side, 3), np.float32)
@@ -120,9 +124,14 @@ def _capture(draft: Draft, probe: Probe) -> Captured:
     lamp_map = lat_long_of_faces(lamps, control) if lamps.any() else None
     control.check()
     between = time.perf_counter()
+
+    def filtered(radiance: Floats) -> ImageLight:
+        filtering = prepared.light.filtering
+        return ImageLight(Environment(radiance), filtering=filtering, control=control)
+
     return Captured(
-        ImageLight(Environment(map_)),
-        None if lamp_map is None else ImageLight(Environment(lamp_map)),
+        filtered(map_),
+        None if lamp_map is None else filtered(lamp_map),
         int(np.count_nonzero(~shown)),
         between - start,
         time.perf_counter() - between,

@@ -47,11 +47,8 @@ class Captured:
 class ProbeLight:
     """A captured probe as points see it; its methods take chunks and may run on many threads."""
 
-    def __init__(
-        self, captured: Captured, prepared: Prepared, lookups: int, ledger: Ledger
-    ) -> None:
-        """`lookups` per lobe."""
-        self._captured, self._lookups, self._ledger = captured, lookups, ledger
+    def __init__(self, captured: Captured, prepared: Prepared, ledger: Ledger) -> None:
+        self._captured, self._ledger = captured, ledger
         self._base, self._world = prepared.light, prepared.world
 
     def lobe(self, surface: Surface, seen: Floats) -> Floats:
@@ -70,7 +67,7 @@ class ProbeLight:
 
     def _lobe_of(self, light: ImageLight, surface: Surface, seen: Floats) -> Floats:
         """(N, 3) of all light of a captured map, whether its tables hold it or not."""
-        total = specular_lobe(light, surface, seen, self._lookups)
+        total = specular_lobe(light, surface, seen)
         for sun in light.suns:
             to_light, _, irradiance = arriving(sun, surface.position)
             without_diffuse = _as_metal(surface)

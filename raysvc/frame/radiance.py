@@ -153,14 +153,14 @@ class Illumination:
 
     def _specular_lobe(self, surface: Surface, albedo: Floats) -> Floats:
         """(N, 3) the environment through the specular lobe."""
-        return specular_lobe(self._prepared.light, surface, albedo, self._settings.ibl_lobe_samples)
+        return specular_lobe(self._prepared.light, surface, albedo)
 
 
-def specular_lobe(light: ImageLight, surface: Surface, albedo: Floats, samples: int) -> Floats:
+def specular_lobe(light: ImageLight, surface: Surface, albedo: Floats) -> Floats:
     """(N, 3) a light through the specular lobe, by one lookup where its albedo (N, 3) is faint."""
     lobe = np.empty((surface.size, 3), np.float32)
     faint = albedo.max(axis=1) < FAINT
-    for chosen, lookups in ((faint, 1), (~faint, samples)):
+    for chosen, lookups in ((faint, 1), (~faint, light.filtering.lookups)):
         index = np.flatnonzero(chosen)
         lobe[index] = light.specular(surface.chosen(index), lookups)
     return lobe

@@ -80,7 +80,7 @@ class ImageLight:
         yaw = math.radians(yaw_deg)
         self._turn = (math.cos(yaw), math.sin(yaw))
         self._strength = float(strength)
-        self._filtering = filtering = filtering or Filtering()
+        self.filtering = filtering = filtering or Filtering()
         self._map = np.ascontiguousarray(environment.radiance)
         suns, self.rest = extract_suns(self._map)
         self._harmonics = ZonalMap.of(resampled(self.rest, 2 * DEGREE), DEGREE)
@@ -110,7 +110,7 @@ class ImageLight:
             if begin == 0:
                 levels.append(LobeLevels.of(self._harmonics, ggx_lobes()))
             else:
-                order, builder = self._filtering.order, self._filtering.builder
+                order, builder = self.filtering.order, self.filtering.builder
                 tables.append(sphere_table(self.rest, order, builder))
 
         for_chunks(2, 1, make, control)
@@ -195,7 +195,7 @@ class ImageLight:
         (N, 3) float32
         """
         result = np.empty((surface.size, 3), np.float32)
-        if self._filtering.method == "brute":
+        if self.filtering.method == "brute":
             brute_diffuse(
                 self.rest,
                 BRUTE_LOOKUPS,
@@ -235,7 +235,7 @@ class ImageLight:
         (N, 3) float32
         """
         result = np.empty((surface.size, 3), np.float32)
-        if self._filtering.method == "brute":
+        if self.filtering.method == "brute":
             self._brute_specular(surface, result)
             return result
         specular_light(
@@ -251,9 +251,9 @@ class ImageLight:
         return result
 
     def _fits(self, lookups: int | None) -> Floats:
-        if self._filtering.method == "split_sum":
+        if self.filtering.method == "split_sum":
             return split_sum_lobes()
-        return fitted_lobes(lookups or self._filtering.lookups)
+        return fitted_lobes(lookups or self.filtering.lookups)
 
     def _brute_specular(self, surface: Surface, result: Floats) -> None:
         """Write the specular lobe's radiance, a mirror's from the map itself."""

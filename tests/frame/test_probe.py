@@ -265,6 +265,8 @@ def test_a_probe_is_kept_until_something_that_it_sees_changes() -> None:
     assert not is_rebuilt(rendered(exposure_stops=1.0, aa="edges"))
     assert is_rebuilt(rendered(shadows=False))
     assert is_rebuilt(rendered(environment_strength=2.0))
+    assert is_rebuilt(rendered(ibl_order=1))
+    assert is_rebuilt(rendered(multiple_scattering=True))
     moved = scene.positions.copy()
     wall = np.unique(scene.triangles[scene.material_of_triangle == 0])
     moved[wall, 0] = 3.0
@@ -273,6 +275,18 @@ def test_a_probe_is_kept_until_something_that_it_sees_changes() -> None:
     assert not np.array_equal(other.layers["beauty"], first.layers["beauty"])
     environment = around(DARK, size=48)
     assert is_rebuilt(rendered())
+
+
+@pytest.mark.parametrize("changed", [{"ibl": "split_sum"}, {"ibl_order": 1}])
+def test_what_is_captured_is_filtered_as_the_frame_asks(changed: dict) -> None:
+    scene = room(Material(metallic=1.0, roughness=0.12))
+    plain, other = (
+        raysvc.render(scene, around(DARK), VIEW, {**PLAIN, **settings})
+        for settings in ({}, changed)
+    )
+    thing = plain.layers["object"] == 6
+    assert not np.array_equal(plain.layers["beauty"][thing], other.layers["beauty"][thing])
+    np.testing.assert_array_equal(plain.layers["beauty"][~thing], other.layers["beauty"][~thing])
 
 
 def test_faces_lose_nothing_that_their_cameras_see() -> None:
