@@ -22,9 +22,10 @@ from scipy.optimize import least_squares
 from raysvc.jit import kernel
 from raysvc.lighting.albedo_kernels import integrate_specular
 from raysvc.lighting.brdf import fresnel_weight, shadowing_given_masking, visible_normal
-from raysvc.lighting.image_kernels import ALPHA_NODES_FROM, COSINE_NODES, round_lobe
+from raysvc.lighting.image_kernels import GGX_BOX, level_of_alpha
 from raysvc.lighting.image_light import ImageLight
 from raysvc.lighting.lobe_fit import ALPHA_NODES, FILE, LOOKUPS, NODES
+from raysvc.lighting.lobe_level_kernels import round_lobe
 from raysvc.lighting.sun import LUMINANCE
 from raysvc.loading import load_environment
 from raysvc.scene import Environment
@@ -69,9 +70,8 @@ def main() -> None:
     parser.add_argument("folder", nargs="?", type=Path, default=Path(assets) / "hdr")
     parser.add_argument("--lookups", type=int, nargs="*", default=LOOKUPS)
     arguments = parser.parse_args()
-    maps = [load_environment(arguments.folder / name).radiance for name in MAPS] + [
-        softboxes(seed) for seed in range(3)
-    ]
+    maps = [load_environment(arguments.folder / name).radiance for name in MAPS]
+    maps += [softboxes(seed) for seed in range(3)]
     lights = [ImageLight(Environment(radiance)) for radiance in maps]
     tables = {}
     if FILE.exists():
@@ -81,7 +81,7 @@ def main() -> None:
         table = np.zeros((ALPHA_NODES, NODES, lookups, 4), np.float32)
         done = np.zeros((ALPHA_NODES, NODES), bool)
         for a in outwards(ALPHA_NODES, BEGIN[0]):
-            alpha, rests = 2.0 ** (0.5 * (a + ALPHA_NODES_FROM - 10.0)), np.zeros(NODES)
+            alpha, rests = 2.0 ** (0.5 * (a - ALPHA_NODES + 1)), np.zeros(NODES)
             for m in outwards(NODES, BEGIN[1]):
                 beside = [(a - 1, m), (a + 1, m), (a, m - 1), (a, m + 1)]
                 near = [
@@ -107,7 +107,7 @@ def outwards(count: int, begin: int) -> list[int]:
 
 def cosine(m: int) -> float:
     """N.V of a column of the table."""
-    return max((m / COSINE_NODES) ** 2, 0.002)
+    return max((m / (NODES - 1)) ** 2, 0.002)
 
 
 def softboxes(seed: int) -> Floats:
@@ -179,7 +179,7 @@ def fitted(
     data: list[Points], alpha: float, nov: float, lookups: int, near: list[Floats]
 ) -> tuple[Floats, float]:
     """One node's lookups (K, 4), and their mean relative error."""
-    level = 2 * math.log2(alpha) + 10
+    level = level_of_alpha(alpha)
     share = fresnel_share(alpha, nov)
     truths = [(f0 * p.truth[:, 0] * share[0] + p.truth[:, 1] * share[1]) for p in data for f0 in F0]
 
@@ -259,6 +259,7 @@ def respond(  # noqa: PLR0913 - a kernel takes plain arrays
                 normal[i, 1] + node[k, 0] * lean[i, 1],
                 normal[i, 2] + node[k, 0] * lean[i, 2],
                 level + node[k, 1],
+                GGX_BOX,
             )
             y = 0.2126 * r + 0.7152 * g + 0.0722 * b
             both[i, 0] += node[k, 2] * y

@@ -8,7 +8,7 @@ import math
 
 from raysvc.geometry.basis_kernels import basis
 from raysvc.jit import kernel
-from raysvc.lighting.albedo_kernels import GOLDEN, diffuse_loss, specular_terms
+from raysvc.lighting.albedo_kernels import GOLDEN
 from raysvc.lighting.brdf import (
     MIN_COSINE,
     fresnel_weight,
@@ -16,9 +16,8 @@ from raysvc.lighting.brdf import (
     shadowing_given_masking,
     visible_normal,
 )
-from raysvc.lighting.image_kernels import turned
+from raysvc.lighting.image_kernels import turned, write_diffuse, write_specular
 from raysvc.lighting.sphere_kernels import map_radiance
-from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
@@ -53,14 +52,8 @@ def brute_diffuse(
             red, green, blue = red + weight * r, green + weight * g, blue + weight * bl
             total += weight
         nov = nx * vx + ny * vy + nz * vz
-        metal = surface.metallic[i]
-        diffused = (1.0 - metal) * (1.0 - surface.transmission[i])
-        scale = strength * diffused * (1.0 - diffuse_loss(losses, nov)) / total
-        f0 = surface.dielectric_f0[i] * (1.0 - metal)
-        for c3 in range(3):
-            light = red if c3 == 0 else (green if c3 == 1 else blue)
-            base = surface.base_colour[i, c3]
-            radiance[i, c3] = base * (1.0 - f0 - base * metal) * scale * light
+        light = red / total, green / total, blue / total
+        write_diffuse(losses, surface, i, nov, light, strength, radiance)
 
 
 @kernel
@@ -104,12 +97,6 @@ def brute_specular(
             r_scale, g_scale, b_scale = r_scale + w1 * r, g_scale + w1 * g, b_scale + w1 * b
             r_bias, g_bias, b_bias = r_bias + wx * r, g_bias + wx * g, b_bias + wx * b
             scale, bias = scale + w1, bias + wx
-        term_a, term_b = specular_terms(terms, nov, float(surface.roughness[i]))
-        term_a, term_b = term_a / scale, term_b / bias
-        metal = surface.metallic[i]
-        for c in range(3):
-            f0 = surface.dielectric_f0[i] * (1.0 - metal) + surface.base_colour[i, c] * metal
-            lit = r_scale if c == 0 else (g_scale if c == 1 else b_scale)
-            grazing = r_bias if c == 0 else (g_bias if c == 1 else b_bias)
-            once = (f0 * term_a * lit + term_b * grazing) * strength
-            radiance[i, c] = once * rescattered(surface, i, f0)
+        lit = r_scale / scale, g_scale / scale, b_scale / scale
+        grazing = r_bias / bias, g_bias / bias, b_bias / bias
+        write_specular(terms, surface, i, nov, lit, grazing, strength, radiance)

@@ -4,13 +4,11 @@ from functools import lru_cache, partial
 
 import numpy as np
 
+from raysvc.lighting.image_kernels import COSINE, FINEST_ALPHA
 from raysvc.lighting.lobe_levels import DEGREE, LobeFamily
 from raysvc.lighting.zonal import zonal_coefficients
 from raysvc.types import Doubles
 
-FINEST_ALPHA = 1.0 / 32.0
-COSINE = 10
-"""The level of alpha 1, whose lobe is the cosine lobe of diffuse light."""
 BEYOND_COSINE = (0.5, 0.12)
 """N.V for which the last levels are the lobe of alpha 1 without its Fresnel term."""
 SIDES = (208, 160, 128, 96, 72, 56, 48, 48, 48, 48, 48, 48, 48)

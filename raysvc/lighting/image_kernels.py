@@ -18,13 +18,12 @@ from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats, Ints
 
-GGX_BOX = (3.5 / 32.0) ** 2
+FINEST_ALPHA = 1.0 / 32.0
+"""Of the first level."""
+COSINE = 10
+"""The level of alpha 1, whose lobe is the cosine lobe of diffuse light."""
+GGX_BOX = (3.5 * FINEST_ALPHA) ** 2
 """Steradians of a box as high as GGX of the first level's alpha."""
-
-ALPHA_NODES_FROM = -10.0
-"""Level of the first row of fits; one row for each level."""
-COSINE_NODES = 11.0
-"""Columns of fits are this times the square root of N.V."""
 
 
 @inlined
@@ -37,7 +36,62 @@ def turned(vectors: Floats, i: int, cos_yaw: float, sin_yaw: float) -> tuple[flo
 @inlined
 def level_of_alpha(alpha: float) -> float:
     """Level whose lobe is that of GGX with this alpha, seen from straight above."""
-    return 2.0 * math.log2(alpha) + 10.0
+    return 2.0 * math.log2(alpha) + COSINE
+
+
+@inlined
+def write_diffuse(
+    losses: Doubles,
+    surface: Surface,
+    i: int,
+    nov: float,
+    light: tuple[float, float, float],
+    strength: float,
+    radiance: Floats,
+) -> None:
+    """Write what point i diffuses to `radiance` (N, 3); `light` is the mean under its lobe."""
+    metal = surface.metallic[i]
+    diffused = (1.0 - metal) * (1.0 - surface.transmission[i])
+    scale = strength * diffused * (1.0 - diffuse_loss(losses, nov))
+    f0 = surface.dielectric_f0[i] * (1.0 - metal)
+    for c in range(3):
+        base = surface.base_colour[i, c]
+        radiance[i, c] = base * (1.0 - f0 - base * metal) * scale * light[c]
+
+
+@inlined
+def write_specular(
+    terms: Doubles,
+    surface: Surface,
+    i: int,
+    nov: float,
+    lit: tuple[float, float, float],
+    grazing: tuple[float, float, float],
+    strength: float,
+    radiance: Floats,
+) -> None:
+    """Write what point i reflects to `radiance` (N, 3).
+
+    F = F0 (1 - x) + x with Schlick's x: `lit` is the mean weighted by 1 - x, `grazing` by x.
+    """
+    term_a, term_b = specular_terms(terms, nov, float(surface.roughness[i]))
+    metal = surface.metallic[i]
+    for c in range(3):
+        f0 = surface.dielectric_f0[i] * (1.0 - metal) + surface.base_colour[i, c] * metal
+        once = (f0 * term_a * lit[c] + term_b * grazing[c]) * strength
+        radiance[i, c] = once * rescattered(surface, i, f0)
+
+
+@inlined
+def _fitted(fits: Floats, a: int, m: int, down: float, right: float, k: int, number: int) -> float:
+    """One number of lookup k, between nodes a, m and the next ones, bilinear."""
+    result: float = (
+        (1.0 - down) * (1.0 - right) * fits[a, m, k, number]
+        + (1.0 - down) * right * fits[a, m + 1, k, number]
+        + down * (1.0 - right) * fits[a + 1, m, k, number]
+        + down * right * fits[a + 1, m + 1, k, number]
+    )
+    return result
 
 
 @kernel
@@ -59,14 +113,7 @@ def diffuse_light(
         nov = nx * vx + ny * vy + nz * vz
         u, v = octahedral_place(nx, ny, nz)
         red, green, blue = level_radiance(texels, side, first, u, v)
-        metal = surface.metallic[i]
-        diffused = (1.0 - metal) * (1.0 - surface.transmission[i])
-        scale = strength * diffused * (1.0 - diffuse_loss(losses, nov))
-        f0 = surface.dielectric_f0[i] * (1.0 - metal)
-        for c in range(3):
-            light = red if c == 0 else (green if c == 1 else blue)
-            base = surface.base_colour[i, c]
-            radiance[i, c] = base * (1.0 - f0 - base * metal) * scale * light
+        write_diffuse(losses, surface, i, nov, (red, green, blue), strength, radiance)
 
 
 @kernel
@@ -86,7 +133,6 @@ def specular_light(
     radiance: Floats,
 ) -> None:
     """Write the specular lobe's radiance to `radiance` (N, 3)."""
-    lookups = fits.shape[2]
     for i in range(len(surface.normal)):
         nx, ny, nz = turned(surface.normal, i, cos_yaw, sin_yaw)
         vx, vy, vz = turned(surface.to_viewer, i, cos_yaw, sin_yaw)
@@ -94,7 +140,6 @@ def specular_light(
         # R - N: lookups lie on the line through both
         lean = 2.0 * max(nov, MIN_COSINE) - 1.0
         dx, dy, dz = lean * nx - vx, lean * ny - vy, lean * nz - vz
-        # F = F0 (1 - x) + x: light weighted by 1 - x is `scale`, by x is `bias`
         r_scale, g_scale, b_scale = 0.0, 0.0, 0.0
         r_bias, g_bias, b_bias = 0.0, 0.0, 0.0
         if surface.roughness[i] <= MIRROR_ROUGHNESS:
@@ -102,37 +147,17 @@ def specular_light(
             r_bias, g_bias, b_bias = r_scale, g_scale, b_scale
         else:
             level = level_of_alpha(ggx_alpha(float(surface.roughness[i])))
-            row = min(max(level - ALPHA_NODES_FROM, 0.0), fits.shape[0] - 1.001)
-            column = min(math.sqrt(max(nov, 0.0)), 0.99999) * COSINE_NODES
+            # The last row is that of alpha 1, the last column that of N.V 1
+            row = level + (fits.shape[0] - 1 - COSINE)
+            row = min(max(row, 0.0), fits.shape[0] - 1.001)
+            column = min(math.sqrt(max(nov, 0.0)), 0.99999) * (fits.shape[1] - 1.0)
             a, m = int(row), int(column)
             down, right = row - a, column - m
-            w00, w01 = (1.0 - down) * (1.0 - right), (1.0 - down) * right
-            w10, w11 = down * (1.0 - right), down * right
-            for k in range(lookups):
-                along = (
-                    w00 * fits[a, m, k, 0]
-                    + w01 * fits[a, m + 1, k, 0]
-                    + w10 * fits[a + 1, m, k, 0]
-                    + w11 * fits[a + 1, m + 1, k, 0]
-                )
-                wider = (
-                    w00 * fits[a, m, k, 1]
-                    + w01 * fits[a, m + 1, k, 1]
-                    + w10 * fits[a + 1, m, k, 1]
-                    + w11 * fits[a + 1, m + 1, k, 1]
-                )
-                scale = (
-                    w00 * fits[a, m, k, 2]
-                    + w01 * fits[a, m + 1, k, 2]
-                    + w10 * fits[a + 1, m, k, 2]
-                    + w11 * fits[a + 1, m + 1, k, 2]
-                )
-                bias = (
-                    w00 * fits[a, m, k, 3]
-                    + w01 * fits[a, m + 1, k, 3]
-                    + w10 * fits[a + 1, m, k, 3]
-                    + w11 * fits[a + 1, m + 1, k, 3]
-                )
+            for k in range(fits.shape[2]):
+                along = _fitted(fits, a, m, down, right, k, 0)
+                wider = _fitted(fits, a, m, down, right, k, 1)
+                scale = _fitted(fits, a, m, down, right, k, 2)
+                bias = _fitted(fits, a, m, down, right, k, 3)
                 r, g, b = round_lobe(
                     sharp,
                     order,
@@ -152,11 +177,5 @@ def specular_light(
                 )
                 r_bias, g_bias, b_bias = r_bias + bias * r, g_bias + bias * g, b_bias + bias * b
 
-        term_a, term_b = specular_terms(terms, nov, float(surface.roughness[i]))
-        metal = surface.metallic[i]
-        for c in range(3):
-            f0 = surface.dielectric_f0[i] * (1.0 - metal) + surface.base_colour[i, c] * metal
-            lit = r_scale if c == 0 else (g_scale if c == 1 else b_scale)
-            grazing = r_bias if c == 0 else (g_bias if c == 1 else b_bias)
-            once = (f0 * term_a * lit + term_b * grazing) * strength
-            radiance[i, c] = once * rescattered(surface, i, f0)
+        lit, grazing = (r_scale, g_scale, b_scale), (r_bias, g_bias, b_bias)
+        write_specular(terms, surface, i, nov, lit, grazing, strength, radiance)

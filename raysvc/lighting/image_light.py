@@ -11,8 +11,8 @@ import numpy as np
 from raysvc.lighting import albedo
 from raysvc.lighting.brdf import MIRROR_ROUGHNESS
 from raysvc.lighting.brute_kernels import brute_diffuse, brute_specular
-from raysvc.lighting.ggx_lobes import COSINE, cosine_lobe, ggx_lobes
-from raysvc.lighting.image_kernels import diffuse_light, specular_light
+from raysvc.lighting.ggx_lobes import cosine_lobe, ggx_lobes
+from raysvc.lighting.image_kernels import COSINE, diffuse_light, specular_light
 from raysvc.lighting.lobe_fit import fitted_lobes, split_sum_lobes
 from raysvc.lighting.lobe_levels import DEGREE, LobeFamily, LobeLevels
 from raysvc.lighting.phong_kernels import cone_radiances, phong_radiances

@@ -17,7 +17,7 @@ BOX = 4.0 * math.pi / NARROWEST
 @inlined
 def level_of_exponent(exponent: float) -> float:
     """Level whose lobe is this power of the cosine."""
-    return 10.0 - math.log2(exponent)
+    return math.log2(NARROWEST) - math.log2(exponent)
 
 
 @kernel

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from raysvc.jit import kernel
-from raysvc.lighting.ggx_lobes import COSINE, FINEST_ALPHA, from_above, ggx_lobes, roughest
+from raysvc.lighting.ggx_lobes import from_above, ggx_lobes, roughest
+from raysvc.lighting.image_kernels import COSINE, FINEST_ALPHA
 from raysvc.lighting.lobe_level_kernels import lobe_radiance, round_lobe
 from raysvc.lighting.lobe_levels import DEGREE, LobeLevels
 from raysvc.lighting.phong_lobes import phong_lobes
