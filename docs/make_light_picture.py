@@ -16,8 +16,8 @@ from PIL import Image
 from raysvc.builtin import BUILTIN_ENVIRONMENTS
 from raysvc.compare.lobe_integrals import diffuse_integrals, specular_integrals
 from raysvc.compare.white_surface import DIELECTRIC_F0, sphere, white_surface
+from raysvc.lighting.area_resampling import resampled
 from raysvc.lighting.image_light import Filtering, ImageLight
-from raysvc.lighting.zonal import resampled
 from raysvc.loading import load_environment
 from raysvc.parallel import Control, map_chunks
 from raysvc.scene import Environment
@@ -61,7 +61,7 @@ def spheres(environment: Environment) -> list[Doubles]:
     lit += [light.specular(white_surface(normal, view, 1.0, r)) for r in ROUGHNESS]
 
     brute = ImageLight(environment, filtering=Filtering("brute"))
-    coarse = resampled(light.rest, COARSE_ROWS).astype(np.float32)
+    coarse = resampled(light.rest, COARSE_ROWS, 2 * COARSE_ROWS).astype(np.float32)
 
     def integrals(begin: int, end: int) -> Doubles:
         some = normal[begin:end], view[begin:end]

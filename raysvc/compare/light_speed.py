@@ -14,8 +14,8 @@ from raysvc.frame.primary import points_of, rasterised
 from raysvc.frame.radiance import specular_lobe
 from raysvc.frame.settings import Settings
 from raysvc.frame.view import View, camera_from
+from raysvc.lighting.area_resampling import resampled
 from raysvc.lighting.image_light import Filtering, ImageLight
-from raysvc.lighting.zonal import resampled
 from raysvc.parallel import Control, for_chunks
 from raysvc.scene import Camera, Environment
 from raysvc.shading.surface import Surface
@@ -91,7 +91,7 @@ def light_speed(
     control: Control,
 ) -> LightSpeed:
     """Measure with `control`'s threads; each of rounds + 1 is one of `steps`."""
-    map_ = Environment(resampled(environment.radiance, MAP_ROWS).astype(np.float32))
+    map_ = Environment(resampled(environment.radiance, MAP_ROWS, 2 * MAP_ROWS).astype(np.float32))
     filtering = Filtering(order=order)
     tables, lit = [], []
     for number in range(rounds + 1):

@@ -9,6 +9,7 @@ from typing import Final, Literal, get_args
 import numpy as np
 
 from raysvc.lighting import albedo
+from raysvc.lighting.area_resampling import resampled
 from raysvc.lighting.brdf import MIRROR_ROUGHNESS
 from raysvc.lighting.brute_kernels import brute_diffuse, brute_specular
 from raysvc.lighting.ggx_lobes import cosine_lobe, ggx_lobes
@@ -22,7 +23,7 @@ from raysvc.lighting.soft_map_kernels import SoftMap
 from raysvc.lighting.sphere_kernels import map_radiances
 from raysvc.lighting.sphere_table import SphereTable, sphere_table
 from raysvc.lighting.sun import SunLight, extract_suns
-from raysvc.lighting.zonal import ZonalMap, resampled
+from raysvc.lighting.zonal import ZonalMap
 from raysvc.parallel import Control, for_chunks
 from raysvc.scene import Environment
 from raysvc.shading.surface import Surface
@@ -83,7 +84,7 @@ class ImageLight:
         self.filtering = filtering = filtering or Filtering()
         self._map = np.ascontiguousarray(environment.radiance)
         suns, self.rest = extract_suns(self._map)
-        self._harmonics = ZonalMap.of(resampled(self.rest, 2 * DEGREE), DEGREE)
+        self._harmonics = ZonalMap.of(resampled(self.rest, 2 * DEGREE, 4 * DEGREE), DEGREE)
         levels, table = self._filtered(control or Control(threads=1))
         self._narrow = (table.tables, filtering.order)
         self.lobes = (*self._narrow, *levels)

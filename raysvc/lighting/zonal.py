@@ -118,22 +118,3 @@ def zonal_coefficients(kernel: Callable[[Doubles], Doubles], degree: int) -> Dou
         result[n] = values @ here
         below, here = here, ((2 * n + 1) * cosines * here - n * below) / (n + 1)
     return result
-
-
-def resampled(radiance: Floats, rows: int) -> Doubles:
-    """The light of a lat-long map (H, W, 3) on about as many rows as asked, at least half of them.
-
-    Texels are cut into equal parts or put together; their light is kept.
-    """
-    height, width, _ = radiance.shape
-    parts = math.ceil(rows / height) if height < rows else 1
-    fine: Doubles = radiance.astype(np.float64).repeat(parts, axis=0).repeat(parts, axis=1)
-    whole = max(height // rows, 1)
-    while height % whole or width % whole:
-        whole -= 1
-    if whole == 1:
-        return fine
-    angles = texel_solid_angles(height, width).reshape(-1, whole, 1, 1)
-    light = fine.reshape(height // whole, whole, width // whole, whole, 3).sum(axis=3) * angles
-    result: Doubles = light.sum(axis=1) / (whole * angles.sum(axis=1))
-    return result

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from raysvc.jit import kernel
+from raysvc.lighting.area_resampling import resampled
 from raysvc.lighting.ggx_lobes import from_above, ggx_lobes, roughest
 from raysvc.lighting.image_kernels import COSINE, FINEST_ALPHA
 from raysvc.lighting.lobe_level_kernels import lobe_radiance, round_lobe
 from raysvc.lighting.lobe_levels import DEGREE, LobeLevels
 from raysvc.lighting.phong_lobes import phong_lobes
 from raysvc.lighting.sphere_table import sphere_table
-from raysvc.lighting.zonal import ZonalMap, resampled
+from raysvc.lighting.zonal import ZonalMap
 from tests.lighting.surfaces import random_directions
 from tests.oracles.lobe import map_directions
 
@@ -67,7 +68,7 @@ def spots():
 
 @pytest.fixture(scope="module")
 def harmonics(spots):
-    return ZonalMap.of(resampled(spots, 2 * DEGREE), DEGREE)
+    return ZonalMap.of(resampled(spots, 2 * DEGREE, 4 * DEGREE), DEGREE)
 
 
 @pytest.mark.parametrize("level", [0, 2, 5, 8, COSINE, COSINE + 1, COSINE + 2])

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from raysvc.lighting.zonal import ZonalMap, legendre_rows, resampled, zonal_coefficients
+from raysvc.lighting.area_resampling import resampled
+from raysvc.lighting.zonal import ZonalMap, legendre_rows, zonal_coefficients
 from tests.oracles.lobe import map_directions
 
 
@@ -71,7 +72,7 @@ def test_constant_maps_stay_constant_to_the_last_digits():
 )
 def test_resampling_keeps_the_light_of_every_direction(shape, rows, rng):
     radiance = rng.random((*shape, 3)).astype(np.float32)
-    finer = resampled(radiance, rows)
+    finer = resampled(radiance, rows, 2 * rows)
     assert rows // 2 <= len(finer)
     for map_ in (radiance.astype(float), finer):
         texels, angles = map_directions(*map_.shape[:2])
