@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from raysvc.errors import InvalidSetting, LimitExceeded
-from raysvc.lens.aperture import Aperture
+from raysvc.lens.aperture import MAX_BLADES, Aperture
 from raysvc.lens.bokeh import Bokeh
 from raysvc.limits import Limits
 from raysvc.scene import Camera
@@ -122,7 +122,7 @@ class Settings(BaseModel):
         "there are octaves of blur.",
     )
     aperture_blades: int = Field(
-        0, ge=0, le=16, description="Corners of the lens's opening; 0 is a disc."
+        0, ge=0, le=MAX_BLADES, description="Corners of the lens's opening; 0 is a disc."
     )
     aperture_rotation_deg: float = Field(
         0.0,

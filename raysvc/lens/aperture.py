@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from raysvc.errors import InvalidSetting
 from raysvc.types import Doubles, Floats, Ints, Longs
 
 MAX_BLADES = 16
@@ -51,15 +50,6 @@ class Stamps(NamedTuple):
     area_px: Floats
     """(Q,) sum of its rows: nearly that of the shape, and exactly that of what is drawn."""
     flipped: int
-
-
-def checked_aperture(blades: int, rotation_deg: float) -> Aperture:
-    """Return an aperture. Raises InvalidSetting for a number of blades that makes no polygon."""
-    if blades not in range(3, MAX_BLADES + 1) and blades != 0:
-        raise InvalidSetting(
-            f"must be 0 for a disc, or 3 to {MAX_BLADES} (got {blades})", field="aperture_blades"
-        )
-    return Aperture(blades, rotation_deg)
 
 
 @functools.lru_cache(maxsize=16)

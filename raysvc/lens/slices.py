@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from raysvc.types import Floats, Ints
+from raysvc.types import Floats
 
 SHARP_PX = 1.0
 """A point whose diameter is no larger than a pixel is in focus: it spreads nothing."""
@@ -38,11 +38,6 @@ class Slices:
     def count(self) -> int:
         """S."""
         return len(self.fade_end) + 1
-
-    def nearest_of(self, coc_px: Floats) -> Ints:
-        """Return the nearer one of the slices that each point is in, for diameters (...)."""
-        found: Ints = np.searchsorted(self.fade_end, coc_px, side="right").astype(np.int32)
-        return found
 
     def beyond(self, coc_px: Floats) -> Floats:
         """Return diameters from which on a point is in no slice of another's, which has (...).

@@ -11,7 +11,6 @@ import numpy as np
 
 from raysvc.lighting.lobe_level_kernels import unfold
 from raysvc.lighting.zonal import ZonalMap
-from raysvc.parallel import Control, for_chunks
 from raysvc.types import Doubles, Floats, Ints
 
 DEGREE = 128
@@ -43,25 +42,20 @@ class LobeLevels(NamedTuple):
     """(levels,) first row of each image."""
 
     @staticmethod
-    def of(harmonics: ZonalMap, family: LobeFamily, control: Control | None = None) -> "LobeLevels":
-        """Filter a map by all lobes of a family, on one thread if there is no `control`."""
+    def of(harmonics: ZonalMap, family: LobeFamily) -> "LobeLevels":
+        """Filter a map by all lobes of a family."""
         sides = np.array(family.sides, np.int32)
         firsts = np.concatenate([[0], np.cumsum(sides + 2)[:-1]]).astype(np.int32)
         texels = np.zeros((int((sides + 2).sum()), int(sides.max()) + 2, 3), np.float32)
 
         zonal = np.stack(family.zonal)
         coarse = (np.abs(zonal[:, COARSE[1] :]) < NEGLIGIBLE).all(axis=1)
-
-        def fill(begin: int, end: int) -> None:
-            for grid, levels in ((FINE, ~coarse), (COARSE, coarse))[begin:end]:
-                rows, degree = grid
-                some = np.flatnonzero(levels)
-                if not len(some):
-                    continue
-                images = harmonics.filtered(zonal[some, : degree + 1], rows, 2 * rows)
-                for k, image in zip(some, images.astype(np.float32), strict=True):
-                    unfold(image, int(sides[k]), int(firsts[k]), texels)
-
-        for_chunks(2, 1, fill, control or Control(threads=1))
+        for (rows, degree), levels in ((FINE, ~coarse), (COARSE, coarse)):
+            some = np.flatnonzero(levels)
+            if not len(some):
+                continue
+            images = harmonics.filtered(zonal[some, : degree + 1], rows, 2 * rows)
+            for k, image in zip(some, images.astype(np.float32), strict=True):
+                unfold(image, int(sides[k]), int(firsts[k]), texels)
         texels.setflags(write=False)
         return LobeLevels(texels, sides, firsts)

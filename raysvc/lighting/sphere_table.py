@@ -16,7 +16,6 @@ from raysvc.imaging.sat import build_table, summed_area_table
 from raysvc.imaging.sat_orders import integrated
 from raysvc.lighting.lat_long import texel_solid_angles
 from raysvc.lighting.sphere_kernels import spread_to_x_cylinder
-from raysvc.parallel import Control
 from raysvc.types import Doubles, Floats
 
 MAX_COLUMNS = 2048
@@ -36,9 +35,7 @@ class SphereTable:
     """Of the builder, over one table."""
 
 
-def sphere_table(
-    radiance: Floats, order: int = 1, builder: str = "fused", control: Control | None = None
-) -> SphereTable:
+def sphere_table(radiance: Floats, order: int = 1, builder: str = "fused") -> SphereTable:
     """Tables of a lat-long map (H, W, 3) for `sphere_kernels.narrow_radiance`.
 
     The cylinder around Y holds exactly the light of the map; the other one is resampled, the light
@@ -50,8 +47,6 @@ def sphere_table(
         of the filters, 1 to 3
     builder
         of tables of order 1, one of `sat_builders.BUILDERS`
-    control
-        threads and stopping, one thread by default
     """
     columns = min(max(radiance.shape[1], MIN_COLUMNS), MAX_COLUMNS)
     rows = columns // 2
@@ -59,23 +54,21 @@ def sphere_table(
     height = len(radiance)
     detail = 2 if height >= rows else math.ceil(2 * rows / height)
     spread_to_x_cylinder(radiance, detail, shared)
-    image, passes = _y_cylinder(radiance, rows, columns, builder, control)
+    image, passes = _y_cylinder(radiance, rows, columns, builder)
     images = image, _radiance_of_shares(shared)
     if order == 1:
-        tables = np.stack([summed_area_table(i, builder, control=control) for i in images])
+        tables = np.stack([summed_area_table(i, builder) for i in images])
     else:
-        tables = np.stack([integrated(image, order, control) for image in images])
+        tables = np.stack([integrated(image, order) for image in images])
     tables.setflags(write=False)
     return SphereTable(tables, passes)
 
 
-def _y_cylinder(
-    radiance: Floats, rows: int, columns: int, builder: str, control: Control | None
-) -> tuple[Doubles, int]:
+def _y_cylinder(radiance: Floats, rows: int, columns: int, builder: str) -> tuple[Doubles, int]:
     """Cylinder around Y (rows, columns, 3), read out of the map's own table; its passes."""
     height, width, _ = radiance.shape
     per_row = texel_solid_angles(height, width)
-    built = build_table(radiance * per_row[:, None, None], builder, control=control)
+    built = build_table(radiance * per_row[:, None, None], builder)
     # Sums grow linearly with the cosine inside a row of texels, and with the column
     edges = np.cos(np.arange(height + 1) * (math.pi / height))
     wanted = 1.0 - 2.0 * np.arange(rows + 1) / rows
