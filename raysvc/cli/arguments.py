@@ -4,13 +4,25 @@ import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Annotated, Any, Final, TypeVar
+
+import typer
 
 from raysvc.errors import InvalidSetting
 from raysvc.frame.probe import FIELD, Probe
 from raysvc.frame.settings import checked
 
 Format = TypeVar("Format", bound=str)
+
+ProbeSize = Annotated[
+    int | None, typer.Option("--probe-size", help="Pixels along a side of the probe's cube.")
+]
+ProbeWithout = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--probe-without", help="An object's number or a material's name; may be repeated."
+    ),
+]
 
 PICTURE_SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".webp", ".exr", ".npz")
 

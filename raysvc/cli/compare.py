@@ -5,7 +5,14 @@ from typing import Annotated, Any
 
 import typer
 
-from raysvc.cli.arguments import camera_mapping, output_format, probe_mapping, writable
+from raysvc.cli.arguments import (
+    ProbeSize,
+    ProbeWithout,
+    camera_mapping,
+    output_format,
+    probe_mapping,
+    writable,
+)
 from raysvc.cli.compare_pictures import show_difference
 from raysvc.cli.progress import progress_bar
 from raysvc.cli.tables import comparison_table, show
@@ -70,15 +77,8 @@ def compare(
             "--probe-at", help="Of pictures: X,Y,Z from where glossy surfaces see the scene."
         ),
     ] = None,
-    probe_size: Annotated[
-        int | None, typer.Option("--probe-size", help="Pixels along a side of the probe's cube.")
-    ] = None,
-    probe_without: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--probe-without", help="An object's number or a material's name; may be repeated."
-        ),
-    ] = None,
+    probe_size: ProbeSize = None,
+    probe_without: ProbeWithout = None,
     set_: Annotated[
         list[str] | None,
         typer.Option("--set", help="Of pictures: KEY=VALUE of a setting; may be repeated."),

@@ -12,7 +12,7 @@ from raysvc.errors import InvalidInput
 from raysvc.frame.refocus import linear, refocus
 from raysvc.limits import DEFAULT_LIMITS
 from raysvc.loading.files import read_regular
-from raysvc.loading.picture_file import read_depth, read_picture
+from raysvc.loading.picture_file import holds_depth, read_depth, read_picture
 from raysvc.parallel import Control
 
 
@@ -53,8 +53,8 @@ def lens(
     deep = shown
     if depth is not None:
         deep = read_regular(depth, DEFAULT_LIMITS.max_file_bytes, "DEPTH")
-    elif shown.startswith(b"\x89PNG"):
-        raise InvalidInput("is missing, and a PNG holds none", field="DEPTH")
+    elif not holds_depth(shown):
+        raise InvalidInput("is missing, and the picture holds none", field="DEPTH")
     found = refocus(
         linear(read_picture(shown, field="PICTURE")),
         read_depth(deep, depth_scale_m=depth_scale_m, field="DEPTH"),

@@ -8,6 +8,8 @@ import typer
 from rich.console import Console
 
 from raysvc.cli.arguments import (
+    ProbeSize,
+    ProbeWithout,
     camera_mapping,
     checked_output,
     probe_mapping,
@@ -39,15 +41,8 @@ def render(
             "--probe-at", help="X,Y,Z from where glossy surfaces see the scene, instead of by rays."
         ),
     ] = None,
-    probe_size: Annotated[
-        int | None, typer.Option("--probe-size", help="Pixels along a side of the probe's cube.")
-    ] = None,
-    probe_without: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--probe-without", help="An object's number or a material's name; may be repeated."
-        ),
-    ] = None,
+    probe_size: ProbeSize = None,
+    probe_without: ProbeWithout = None,
     positions: Annotated[
         Path | None,
         typer.Option("--positions", help="An .npy file: where the scene's vertices are instead."),
