@@ -42,11 +42,15 @@ async def image_response(
     headers = {"ETag": etag, "Vary": "Accept", "Cache-Control": "private, max-age=86400"}
     if job.statistics is not None and matches(request.headers.get("if-none-match"), etag):
         return Response(status_code=304, headers=headers)
-    picture = context.service.picture(job)
-    if query.layer is not None and query.layer not in picture.layers:
-        raise InvalidSetting(f"there is {', '.join(picture.layers)}", field="layer")
-    data = await context.heavy(lambda: picture.encode(format, query.layer))
+    data = await context.heavy(lambda: _encoded(job, format, query.layer, context))
     return Response(data, media_type=MEDIA_TYPES[format], headers=headers)
+
+
+def _encoded(job: Job[RenderRequest], format: str, layer: str | None, context: Context) -> bytes:
+    picture = context.service.picture(job)
+    if layer is not None and layer not in picture.layers:
+        raise InvalidSetting(f"there is {', '.join(picture.layers)}", field="layer")
+    return picture.encode(format, layer)
 
 
 def statistics_headers(job: Job[RenderRequest]) -> dict[str, str]:

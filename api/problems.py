@@ -18,12 +18,15 @@ from starlette.exceptions import HTTPException
 
 from api.responses import SafeJSONResponse
 from raysvc import errors
+from raysvc.jobs import room_needed
 
 logger = logging.getLogger(__name__)
 
 MEDIA_TYPE: Final = "application/problem+json"
 TYPE_PREFIX: Final = "urn:raysvc:problem:"
 LONGEST_DETAIL: Final = 500
+RESTART_S: Final = 10
+"""When to try again what may have gone wrong for as long as a restart or a tidying takes."""
 
 
 class NotAcceptable(errors.RaysvcError):
@@ -83,6 +86,18 @@ PROBLEMS: Final[Mapping[type[errors.RaysvcError], Problem]] = MappingProxyType(
             HTTPStatus.UNPROCESSABLE_ENTITY, "unavailable", "Not available on this machine"
         ),
         errors.QueueFull: Problem(HTTPStatus.TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
+        errors.KeyReused: Problem(
+            HTTPStatus.UNPROCESSABLE_ENTITY, "key-reused", "The key stands for another request"
+        ),
+        errors.Draining: Problem(
+            HTTPStatus.SERVICE_UNAVAILABLE, "draining", "The service is shutting down"
+        ),
+        errors.StorageFull: Problem(
+            HTTPStatus.INSUFFICIENT_STORAGE, "storage-full", "The disk is full"
+        ),
+        errors.Crashed: Problem(
+            HTTPStatus.INTERNAL_SERVER_ERROR, "crashed", "The job ended the process"
+        ),
         errors.Cancelled: Problem(HTTPStatus.CONFLICT, "cancelled", "The job was cancelled"),
         errors.DeadlineExceeded: Problem(
             HTTPStatus.SERVICE_UNAVAILABLE, "deadline-exceeded", "The job took too long"
@@ -116,6 +131,7 @@ def error_body(error: errors.RaysvcError) -> dict[str, Any]:
 def install(app: FastAPI) -> None:
     """Answer every error of the application as a problem."""
     app.add_exception_handler(errors.RaysvcError, _raysvc_error)
+    app.add_exception_handler(OSError, _system_error)
     app.add_exception_handler(HTTPException, _http_exception)
     app.add_exception_handler(RequestValidationError, _validation_error)
     app.add_exception_handler(Exception, _unexpected)
@@ -134,7 +150,20 @@ async def _raysvc_error(request: Request, error: Exception) -> SafeJSONResponse:
     headers = {}
     if isinstance(error, errors.QueueFull):
         headers["Retry-After"] = str(math.ceil(error.retry_after_s))
+    elif isinstance(error, errors.Draining | errors.StorageFull):
+        headers["Retry-After"] = str(RESTART_S)
     return _answer(request, error_body(error), headers)
+
+
+async def _system_error(request: Request, error: Exception) -> SafeJSONResponse:
+    assert isinstance(error, OSError)
+    try:
+        with room_needed("the request"):
+            raise error
+    except errors.StorageFull as full:
+        return await _raysvc_error(request, full)
+    except OSError:
+        return await _unexpected(request, error)
 
 
 async def _http_exception(request: Request, error: Exception) -> SafeJSONResponse:

@@ -25,13 +25,16 @@ class ApiSettings(BaseSettings):
 
     data_dir: Path = Field(
         default_factory=default_data_dir,
-        description="Where scenes and environments are kept; one process owns it.",
+        description="Where scenes, environments, jobs and results are kept; one process owns it.",
     )
     queue_size: int = Field(
         16, ge=1, le=100_000, description="Jobs that may wait; one more is answered 429."
     )
     kept_jobs: int = Field(
         1_000, ge=1, description="Jobs that are remembered; the oldest finished one goes first."
+    )
+    key_life_s: float = Field(
+        86_400.0, gt=0, description="How long an `Idempotency-Key` stands for its job."
     )
     deadline_s: float = Field(
         600.0, gt=0, le=86400, description="Time for a job that does not set `deadline_s`."
@@ -56,6 +59,17 @@ class ApiSettings(BaseSettings):
     )
     comparison_memory_bytes: int = Field(
         128 << 20, ge=0, description="Finished comparisons that are kept in memory."
+    )
+    scene_disk_bytes: int = Field(
+        8 << 30, ge=0, description="Files of scenes; those not used longest make room."
+    )
+    environment_disk_bytes: int = Field(
+        4 << 30, ge=0, description="Files of environments; those not used longest make room."
+    )
+    result_disk_bytes: int = Field(
+        4 << 30,
+        ge=0,
+        description="Files of finished pictures and comparisons; those not used longest make room.",
     )
     max_json_bytes: int = Field(1 << 20, ge=1, description="Largest JSON body or form field.")
     max_upload_bytes: int = Field(
@@ -106,11 +120,15 @@ class ApiSettings(BaseSettings):
             data_dir=self.data_dir,
             queue_size=self.queue_size,
             kept_jobs=self.kept_jobs,
+            key_life_s=self.key_life_s,
             deadline_s=self.deadline_s,
             scene_memory_bytes=self.scene_memory_bytes,
             environment_memory_bytes=self.environment_memory_bytes,
             result_memory_bytes=self.result_memory_bytes,
             comparison_memory_bytes=self.comparison_memory_bytes,
+            scene_disk_bytes=self.scene_disk_bytes,
+            environment_disk_bytes=self.environment_disk_bytes,
+            result_disk_bytes=self.result_disk_bytes,
             limits=self.limits(),
         )
 

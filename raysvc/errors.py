@@ -7,11 +7,16 @@ RaysvcError
   |   - InvalidSetting      a camera, setting or parameter out of its range, or unknown
   |   - Unsupported         correct, and required, but not something that raysvc can do
   |   - LimitExceeded       larger than the limits allow
+  |   - KeyReused           an idempotency key that stands for another request
   + NotFound                no such scene, environment, render
   + NotFinished             there will be a picture, but not yet
   + Gone                    there was a picture, and it is no longer kept
   + Unavailable             a part of raysvc that this machine cannot run
   + QueueFull               try again later
+  + Draining                the service is about to end and takes no more work
+  + StorageFull             the disk has no room
+  + FolderInUse             another process keeps its data there
+  + Crashed                 the work has ended the process again and again
   + Cancelled               the caller asked to stop
   + DeadlineExceeded        the work took longer than it was given
 """
@@ -55,6 +60,10 @@ class LimitExceeded(InvalidInput):
     """Input larger than the configured limits."""
 
 
+class KeyReused(InvalidInput):
+    """An idempotency key that was sent with another request before."""
+
+
 class NotFound(RaysvcError):
     """Nothing has that name."""
 
@@ -83,6 +92,26 @@ class QueueFull(RaysvcError):
     def __init__(self, message: str, retry_after_s: float) -> None:
         super().__init__(message)
         self.retry_after_s = retry_after_s
+
+
+class Draining(RaysvcError):
+    """The service finishes what it has begun and takes no more work."""
+
+    retryable = True
+
+
+class StorageFull(RaysvcError):
+    """There is no room on the disk for what has to be kept."""
+
+    retryable = True
+
+
+class FolderInUse(RaysvcError):
+    """Another process keeps its data in the same folder."""
+
+
+class Crashed(RaysvcError):
+    """The process ended while it did this work, as often as it may be tried."""
 
 
 class Cancelled(RaysvcError):

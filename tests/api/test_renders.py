@@ -145,7 +145,7 @@ def test_a_picture_that_the_client_holds_is_not_sent_again(client: TestClient) -
 
 
 def test_a_picture_that_made_room_is_gone(make_client: MakeClient) -> None:
-    client = make_client(result_memory_bytes=1)
+    client = make_client(result_memory_bytes=1, result_disk_bytes=1)
     first = done(client)
     done(client, width=9)
     response = client.get(first["links"]["image"])
