@@ -13,6 +13,7 @@ from api import problems
 from api.body_limit import BodyLimit
 from api.comparison_schemas import ComparisonBody
 from api.context import Context
+from api.draining import drained_by_signals
 from api.filter_schemas import FilteredBody
 from api.routes import (
     comparisons,
@@ -49,7 +50,8 @@ def create_app(
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         service.start()
-        yield
+        with drained_by_signals(service.drain):
+            yield
         await anyio.to_thread.run_sync(service.close, settings.grace_s)
 
     app = FastAPI(

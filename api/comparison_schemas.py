@@ -45,13 +45,16 @@ class ComparisonResource(JobResource):
     renderer_version: str | None = None
 
 
+def result_links(request: ComparisonRequest) -> dict[str, str]:
+    """What there will be to look at."""
+    links = {"table": "table.csv", "chart": "chart.svg"}
+    return links | {"heat_map": "heat_map.png"} if request.settings.heat_map else links
+
+
 def comparison_resource(job: Job[ComparisonRequest], position: int | None) -> ComparisonResource:
     """Present a comparison."""
     settings = job.request.settings
-    links = {"table": "table.csv", "chart": "chart.svg"}
-    if settings.heat_map:
-        links["heat_map"] = "heat_map.png"
-    known = job_fields(job, position, links)
+    known = job_fields(job, position, result_links(job.request))
     figures = dict(job.statistics) if job.statistics is not None else {}
     figures |= {
         "scene": job.request.scene,

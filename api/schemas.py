@@ -100,6 +100,7 @@ class JobResource(BaseModel):
     stage: str | None = Field(description="What runs now.")
     progress: float = Field(description="How much of the stage is done, 0..1; 1 when done.")
     position: int | None = Field(description="Jobs that run before this one, while it waits.")
+    attempts: int = Field(description="How often it was begun: again, when the process died.")
     created: str
     started: str | None
     finished: str | None
@@ -175,17 +176,19 @@ def job_fields(job: Job[Request], position: int | None, links: Mapping[str, str]
     state = job.state  # read first: what belongs to a state is set before the state is
     path = f"/v1/{job.request.kind}s/{job.id}"
     there = {name: f"{path}/{tail}" for name, tail in links.items() if state is JobState.DONE}
+    events = {} if job.finished.done() else {"events": f"{path}/events"}
     return {
         "id": job.id,
         "state": state,
         "stage": job.stage if state is JobState.RUNNING else None,
         "progress": 1.0 if state is JobState.DONE else job.stage_fraction,
         "position": position,
+        "attempts": job.attempts,
         "created": _time(job.created_s),
         "started": _time(job.started_s) if job.started_s else None,
         "finished": _time(job.finished_s) if job.finished_s else None,
         "error": error_body(job.error) if job.error is not None else None,
-        "links": {"self": path, **there},
+        "links": {"self": path, **events, **there},
     }
 
 
