@@ -2,46 +2,13 @@
 
 import os
 import signal
-import subprocess
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
 import pytest
 
-
-@contextmanager
-def service(data_dir: Path, **environment: str) -> Iterator[subprocess.Popen[str]]:
-    command = [sys.executable, "-m", "raysvc", "serve", "--port", "0", "--data-dir", str(data_dir)]
-    with subprocess.Popen(
-        command,
-        env={**os.environ, **environment},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
-        try:
-            yield process
-        finally:
-            process.kill()
-
-
-def address(process: subprocess.Popen[str]) -> str:
-    assert process.stdout is not None
-    return process.stdout.readline().rpartition(" ")[2].strip()
-
-
-def wait_until_alive(client: httpx.Client) -> None:
-    for _ in range(300):
-        try:
-            if client.get("/healthz").is_success:
-                return
-        except httpx.ConnectError:
-            time.sleep(0.1)
-    raise AssertionError("the service does not listen")
+from tests.service.process import address, service, wait_until
 
 
 @pytest.mark.slow
@@ -51,7 +18,7 @@ def test_on_sigterm_the_service_ends_within_its_grace(tmp_path: Path) -> None:
         service(tmp_path, RAYSVC_GRACE_S="1") as process,
         httpx.Client(base_url=address(process), timeout=60) as client,
     ):
-        wait_until_alive(client)
+        wait_until(client, "/healthz")
         body = {"scene": "builtin:shiny", "settings": {"aa": "full", "aa_samples": 64}}
         assert client.post("/v1/renders", json=body).status_code == 202
         process.send_signal(signal.SIGTERM)
