@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from raysvc.cli.arguments import camera_mapping, output_format, settings_mapping, writable
+from raysvc.cli.bench_service import service
 from raysvc.cli.progress import progress_bar
 from raysvc.cli.tables import bench_table, frame_tables, sat_tables, show
 from raysvc.compare.benchmark import bench_structures
@@ -174,6 +175,9 @@ def lens(
     show(bench_table(measured["results"]))
     if measured["truth"]:
         show(bench_table(measured["truth"]))
+
+
+bench.command()(service)
 
 
 def _check(output: Path | None) -> None:
