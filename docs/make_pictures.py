@@ -11,9 +11,11 @@ from PIL import Image
 
 import raysvc
 from raysvc.builtin.lat_long import texel_directions
+from raysvc.builtin.mesh import Part, scene_of
+from raysvc.builtin.shapes import sheet, sphere
 from raysvc.imaging.layer_picture import layer_picture
 from raysvc.imaging.tone_map import display8
-from raysvc.scene import Environment, PunctualLight
+from raysvc.scene import Environment, Material, PunctualLight
 
 IMAGES = Path(__file__).parent / "images"
 STRIP = ("albedo", "normal", "depth", "id", "occlusion", "edge")
@@ -102,6 +104,23 @@ def glass() -> None:
     _save("glass", frame.display()[..., :3])
 
 
+def brushed() -> None:
+    """Brushed balls on a brushed floor in both modes, hybrid on the left."""
+    gold = Material(base_colour=(0.95, 0.8, 0.5, 1.0))
+    looks = [replace(gold, roughness=r, anisotropy=a) for r in (0.15, 0.35) for a in (0.4, 0.9)]
+    floor = Material(base_colour=(0.2, 0.2, 0.2, 1.0), roughness=0.3, anisotropy=0.8)
+    balls = [Part(sphere(0.7, 64).moved([1.6 * k - 2.4, 0.0, 0.0]), k) for k in range(4)]
+    scene = scene_of(
+        "brushed", [*balls, Part(sheet(12.0, 12.0, 1, 1).moved([0, -0.7, 0]), 4)], [*looks, floor]
+    )
+    studio = raysvc.load_environment("builtin:studio")
+    view = {"eye": [0.0, 1.2, 7.0], "target": [0.0, -0.1, 0.0], "fov_y_deg": 22.0}
+    view |= {"width": 400, "height": 150}
+    modes = {"aa": "full"}, {"mode": "reference", "samples": 512}
+    frames = [raysvc.render(scene, studio, view, settings) for settings in modes]
+    _save("brushed", np.hstack([frame.display()[..., :3] for frame in frames]))
+
+
 def filtered() -> None:
     """Two environments, filtered for a row of roughnesses, and their irradiance over pi."""
     rows = []
@@ -126,4 +145,5 @@ if __name__ == "__main__":
     shadows()
     cornell()
     glass()
+    brushed()
     filtered()

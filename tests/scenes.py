@@ -41,7 +41,7 @@ def mesh(
     both[:, 1] = both[:, 0] if uv1 is None else uv1
 
     def array(values, shape, dtype):
-        return np.array(np.broadcast_to(np.asarray(values, dtype), shape))
+        return np.array(np.broadcast_to(np.asarray(values, dtype), shape), order="C")
 
     return Scene(
         positions=positions,

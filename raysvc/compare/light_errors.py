@@ -15,18 +15,25 @@ import numpy as np
 from raysvc.compare.lobe_integrals import diffuse_integrals, phong_integrals, specular_integrals
 from raysvc.compare.measure import Steps
 from raysvc.compare.sat_lobes import LatLongLobes
-from raysvc.compare.white_surface import DIELECTRIC_F0, white_surface
-from raysvc.lighting.albedo import diffuse_albedo
+from raysvc.compare.white_surface import DIELECTRIC_F0, brushed_surface, white_surface
+from raysvc.lighting.albedo import albedo_tables, diffuse_albedo
+from raysvc.lighting.brute_kernels import brute_specular
 from raysvc.lighting.image_light import METHODS, Filtering, ImageLight
 from raysvc.lighting.lobe_fit import LOOKUPS
 from raysvc.lighting.sun import LUMINANCE
 from raysvc.parallel import Control, map_chunks
 from raysvc.scene import Environment
+from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
 DIRECTIONS: Final = 400
 EXPONENTS: Final = (8.0, 32.0, 128.0, 512.0)
 ROUGHNESS: Final = (0.05, 0.1, 0.25, 0.5, 1.0)
+BRUSHED: Final = (0.1, 0.25, 0.5)
+ANISOTROPY: Final = 0.6
+SAMPLES: Final = 16384
+"""Of a brushed lobe, whose integral over all texels has no closed form that is exact for narrow
+ones: points of the map at its visible normals."""
 CHUNK = 10
 POLE, EQUATOR = 0.866, 0.5
 """|y| of what a lobe looks at, above and below which it is near a pole or the equator."""
@@ -40,9 +47,9 @@ class LightError:
 
     measured: Literal["error"]
     map: str
-    lobe: Literal["diffuse", "phong", "ggx"]
+    lobe: Literal["diffuse", "phong", "ggx", "brushed"]
     parameter: float | None
-    """Phong's exponent, GGX's roughness."""
+    """Phong's exponent; GGX's roughness, across the scratches where it is brushed."""
     method: str
     """`sat` is what raysvc does by default."""
     directions: int
@@ -75,12 +82,12 @@ def light_errors(
 
 def lobe_count() -> int:
     """How many lobes are measured of each map."""
-    return 1 + len(EXPONENTS) + len(ROUGHNESS)
+    return 1 + len(EXPONENTS) + len(ROUGHNESS) + len(BRUSHED)
 
 
 @dataclass(frozen=True, slots=True)
 class _Lobe:
-    lobe: Literal["diffuse", "phong", "ggx"]
+    lobe: Literal["diffuse", "phong", "ggx", "brushed"]
     parameter: float | None
     towards: Doubles
     truth: Doubles
@@ -129,6 +136,34 @@ def _lobes(
             }
             | {f"sat_{k}_lookups": partial(sat.specular, surface, k) for k in LOOKUPS if k != 4},
         )
+    for roughness in BRUSHED:
+        surface = brushed_surface(normal, view, roughness, ANISOTROPY)
+        yield _Lobe(
+            "brushed",
+            roughness,
+            mirrored,
+            _sampled(sat, surface, control),
+            {
+                "sat" if lookups == 4 else f"sat_{lookups}_lookups": partial(
+                    sat.specular, surface, lookups
+                )
+                for lookups in LOOKUPS
+            },
+        )
+
+
+def _sampled(light: ImageLight, surface: Surface, control: Control) -> Doubles:
+    """(N, 3) of points, by many points of the map each."""
+
+    def some(begin: int, end: int) -> Floats:
+        rows = surface.rows(begin, end)
+        shown = np.empty((rows.size, 3), np.float32)
+        terms = albedo_tables().specular
+        brute_specular(light.rest, SAMPLES, terms, 1.0, 0.0, 1.0, rows, shown)
+        return shown
+
+    sampled = np.concatenate(map_chunks(surface.size, CHUNK, some, control))
+    return sampled.astype(np.float64)
 
 
 def _shapes(rest: Floats) -> dict[str, Callable[[Doubles, float], Doubles]]:

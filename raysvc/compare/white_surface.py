@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from raysvc.shading.brushed import Brushed
 from raysvc.shading.coat import Coat
 from raysvc.shading.glass import Glass
 from raysvc.shading.surface import Surface
@@ -40,6 +41,18 @@ def white_surface(
         coat=Coat.empty(0),
         glass=Glass.empty(0),
     )
+
+
+def brushed_surface(normal: Doubles, view: Doubles, roughness: float, anisotropy: float) -> Surface:
+    """White dielectrics with normals and views (N, 3), unit, whose highlights are long sideways.
+
+    No normal may point straight up or down.
+    """
+    tangent = np.cross([0.0, 1.0, 0.0], normal)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    strength = np.full(len(normal), anisotropy, np.float32)
+    brushed = Brushed(strength, np.ascontiguousarray(tangent, np.float32))
+    return white_surface(normal, view, 0.0, roughness)._replace(brushed=brushed)
 
 
 def sphere(size: int) -> tuple[Doubles, Doubles, Bools]:

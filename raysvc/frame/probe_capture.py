@@ -28,6 +28,7 @@ from raysvc.frame.shared_rays import trace_beyond
 from raysvc.frame.stages import gather_ambient, light, rasterise, shadows, write_layers
 from raysvc.frame.statistics import ProbeCost
 from raysvc.lighting.ambient import Ambient
+from raysvc.lighting.brushed_light import round_roughness
 from raysvc.lighting.cube_map import face_cameras, lat_long_of_faces, pixel_half_width_rad
 from raysvc.lighting.image_light import ImageLight
 from raysvc.parallel import for_chunks
@@ -193,7 +194,7 @@ def _mirrored_on_the_mean(draft: Draft) -> Reflection:
     """What glossy points mirror of the scene when no rays tell: as matt ones do."""
     around = Ambient.of_columns(draft.ambient)
     hidden = np.clip(1.0 - around.sky.mean(axis=1), 0.0, 1.0)
-    gloss = glossiness(draft.points.surface.roughness)
+    gloss = glossiness(round_roughness(draft.points.surface))
     occlusion = draft.points.surface.occlusion[:, None]
     radiance = around.bounced * occlusion / np.maximum(hidden, np.float32(1e-3))[:, None]
     none = Reflection.none(len(hidden))

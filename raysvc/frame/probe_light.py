@@ -17,6 +17,7 @@ from raysvc.frame.radiance import specular_lobe
 from raysvc.frame.statistics import Ledger
 from raysvc.lighting.albedo import specular_albedo
 from raysvc.lighting.brdf import MIRROR_ROUGHNESS
+from raysvc.lighting.brushed_light import round_roughness
 from raysvc.lighting.direct import arriving, reflected
 from raysvc.lighting.image_light import ImageLight
 from raysvc.lighting.lamps import highlight
@@ -58,7 +59,7 @@ class ProbeLight:
         """
         total = self._lobe_of(self._captured.around, surface, seen)
         if self._captured.lamps is not None:
-            smooth = 1.0 - highlight(surface.roughness)
+            smooth = 1.0 - highlight(round_roughness(surface))
             index = np.flatnonzero(smooth > 0.0)
             lamps = self._lobe_of(self._captured.lamps, surface.chosen(index), seen[index])
             total[index] += lamps * smooth[index, None]

@@ -116,14 +116,21 @@ class Illumination:
             self._sent,
         )
 
-    def lit(self, surface: Surface, footprint: Footprint, direct: Floats, ambient: Ambient) -> Lit:
+    def lit(
+        self,
+        surface: Surface,
+        footprint: Footprint,
+        direct: Floats,
+        ambient: Ambient,
+        mirrored: bool = False,
+    ) -> Lit:
         """Put together what lights N points: `direct` (N, 3), and what arrives from all around."""
         light = self._prepared.light
         sky, bounced = (a * surface.occlusion[:, None] for a in (ambient.sky, ambient.bounced))
         radiance = surface.emissive + light.diffuse(surface) * sky
         radiance += diffuse_albedo(surface) * bounced
         albedo = light.specular_albedo(surface)
-        lobe = self._specular_lobe(surface, albedo)
+        lobe = specular_lobe(light, surface, albedo, mirrored)
         varnish = Varnish.of(surface)
         coat = self.coat_lobe(varnish)
         gloss = glossiness(varnish.surface.roughness)[:, None]
@@ -144,23 +151,26 @@ class Illumination:
         """Light N points that a reflection shows."""
         tile = np.zeros(surface.size, np.int32)
         return self.lit(
-            surface, footprint, self.direct.of(surface), self.ambient(surface, tile, MIRRORED)
+            surface, footprint, self.direct.of(surface), self.ambient(surface, tile, MIRRORED), True
         )
 
     def coat_lobe(self, varnish: Varnish) -> Floats:
         """(K, 3) the environment through the lobe of K coats, with nothing in the way."""
-        return self._specular_lobe(varnish.surface, varnish.share)
-
-    def _specular_lobe(self, surface: Surface, albedo: Floats) -> Floats:
-        """(N, 3) the environment through the specular lobe."""
-        return specular_lobe(self._prepared.light, surface, albedo)
+        return specular_lobe(self._prepared.light, varnish.surface, varnish.share)
 
 
-def specular_lobe(light: ImageLight, surface: Surface, albedo: Floats) -> Floats:
-    """(N, 3) a light through the specular lobe, by one lookup where its albedo (N, 3) is faint."""
+def specular_lobe(
+    light: ImageLight, surface: Surface, albedo: Floats, mirrored: bool = False
+) -> Floats:
+    """(N, 3) a light through the specular lobe, by one lookup where its albedo (N, 3) is faint.
+
+    So are lobes of brushed points that a mirror shows, which many rays meet.
+    """
     lobe = np.empty((surface.size, 3), np.float32)
-    faint = albedo.max(axis=1) < FAINT
-    for chosen, lookups in ((faint, 1), (~faint, light.filtering.lookups)):
+    simple = albedo.max(axis=1) < FAINT
+    if mirrored and surface.brushed.size:
+        simple |= surface.brushed.strength > 0.0
+    for chosen, lookups in ((simple, 1), (~simple, light.filtering.lookups)):
         index = np.flatnonzero(chosen)
         lobe[index] = light.specular(surface.chosen(index), lookups)
     return lobe

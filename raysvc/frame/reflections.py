@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from raysvc.frame.radiance import Lit, glossiness
+from raysvc.lighting.brushed_light import round_roughness
 from raysvc.types import Floats, Ints
 
 
@@ -79,7 +80,7 @@ def own_light(lit: Lit, reflection: Reflection) -> Floats:
     part of it that a diffuse one would, and what hides the rest as from all directions alike.
     """
     surface = lit.surface
-    gloss = glossiness(surface.roughness)[:, None]
+    gloss = glossiness(round_roughness(surface))[:, None]
     open_ = np.maximum(gloss - reflection.share[:, None], 0.0) + (1.0 - gloss) * lit.sky
     radiance = lit.radiance + lit.lobe * open_ + lit.albedo * lit.bounced * (1.0 - gloss)
     shown: Floats = np.where(surface.unlit[:, None], surface.base_colour, radiance)

@@ -35,6 +35,7 @@ from raysvc.frame.settings import Settings
 from raysvc.frame.statistics import Ledger
 from raysvc.lighting.albedo import specular_albedo
 from raysvc.lighting.boundary_albedo import boundary_albedo
+from raysvc.lighting.brushed_light import round_roughness
 from raysvc.lighting.clearcoat import Varnish
 from raysvc.lighting.lamps import highlight
 from raysvc.lighting.lobe_kernels import lobe_rays
@@ -138,7 +139,7 @@ class SecondaryRays:
         reflection = Reflection.none(surface.size)
         if depth.bounce > self._settings.bounce_limit:
             return reflection
-        gloss = glossiness(surface.roughness)
+        gloss = glossiness(round_roughness(surface))
         passed = albedo * gloss[:, None]
         if throughput is not None:
             passed *= throughput
@@ -146,7 +147,7 @@ class SecondaryRays:
         mirror = records.chosen(seen, shiny)
         if samples is None:
             rays = mirror_rays(mirror.surface)
-            half_width = 2.0 * mirror.surface.roughness**2
+            half_width = 2.0 * round_roughness(mirror.surface) ** 2
         else:
             directions = np.empty((len(shiny), 3), np.float32)
             weight, half_width = np.empty((2, len(shiny)), np.float32)
@@ -168,7 +169,7 @@ class SecondaryRays:
             differentials,
             half_width,
             # Rough surfaces have the highlights of lamps already.
-            1.0 - highlight(mirror.surface.roughness),
+            1.0 - highlight(round_roughness(mirror.surface)),
             passed[shiny],
             depth._replace(bounce=depth.bounce + 1),
         )
@@ -179,7 +180,7 @@ class SecondaryRays:
         reflection.share[from_] = gloss[from_]
         pixel = _pixels_per_radian(differentials, followed.hits.t)
         reflection.spread_px[shiny] = half_width * pixel
-        reflection.lobe_px[shiny] = 2.0 * mirror.surface.roughness**2 * pixel
+        reflection.lobe_px[shiny] = 2.0 * round_roughness(mirror.surface) ** 2 * pixel
         _show(reflection, shiny, followed)
         if surface.coat.size:
             self._reflect_in_varnish(seen, throughput, depth, reflection)
@@ -188,7 +189,7 @@ class SecondaryRays:
     def _shown_by(self, probe: ProbeLight, surface: Surface) -> Reflection:
         """What N points mirror of a probe: the part of their lobe of which else rays would tell."""
         reflection = Reflection.none(surface.size)
-        gloss = glossiness(surface.roughness)
+        gloss = glossiness(round_roughness(surface))
         shiny = np.flatnonzero((gloss > 0.0) & ~surface.unlit)
         mirror = surface.chosen(shiny)
         albedo = specular_albedo(mirror)

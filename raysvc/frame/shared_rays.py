@@ -149,11 +149,11 @@ def _traced(
     parts = map_chunks(len(points.pixel), CHUNK, some, draft.control, "reflections")
     brought = records.joined(parts or [none(0)])
     grainy = _grainy(draft, brought, in_front)
-    draft.grainy[grainy] = True
-    if draft.settings.shades_samples:
-        return brought
+    brushed = _brushed(points)[grainy]
+    draft.grainy[grainy[~brushed]] = True
     # In a lobe like a mirror's there is no more to find.
-    more = grainy[brought.lobe_px[grainy] > NARROW_PX[0]]
+    wide = brought.lobe_px[grainy] > NARROW_PX[0]
+    more = grainy[brushed if draft.settings.shades_samples else wide | brushed]
 
     def again(begin: int, end: int) -> None:
         index = more[begin:end]
@@ -168,10 +168,20 @@ def _traced(
     return brought
 
 
+def _brushed(points: Points) -> Bools:
+    """(N,) bool: points with a lobe that is longer than it is wide."""
+    if not points.surface.brushed.size:
+        return np.zeros(len(points.pixel), np.bool_)
+    brushed: Bools = points.surface.brushed.strength > 0.0
+    return brushed
+
+
 def _grainy(draft: Draft, brought: Reflection | Transmission, in_front: Bools) -> Longs:
     """Which of the points in front have narrow lobes, and show what their neighbours do not."""
     points, lobe_px = draft.points, brought.lobe_px
-    index = np.flatnonzero(in_front & (lobe_px > 0) & (lobe_px < NARROW_PX[1]))
+    # Across its scratches a wide lobe is narrow too.
+    narrow = (lobe_px < NARROW_PX[1]) | _brushed(points)
+    index = np.flatnonzero(in_front & (lobe_px > 0) & narrow)
     light = brought.radiance @ LUMINANCE.astype(np.float32)
     if isinstance(brought, Reflection):
         light *= brought.share

@@ -52,12 +52,14 @@ def specimen() -> Scene:
         clearcoat_texture=ref,
         clearcoat_roughness_texture=ref,
         clearcoat_normal_texture=ref,
+        anisotropy_texture=ref,
         emissive=(1.0, 1.0, 1.0),
         roughness=0.3,
         transmission=0.5,
         solid=True,
         clearcoat=1.0,
         clearcoat_roughness=0.2,
+        anisotropy=0.7,
     )
     panes = [
         Material(name=mode, alpha_mode=mode, base_colour_texture=ref, double_sided=True)

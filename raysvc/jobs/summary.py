@@ -93,6 +93,8 @@ def _material(material: Material, triangles: int) -> dict[str, Any]:
         "absorption": list(material.absorption),
         "clearcoat": material.clearcoat,
         "clearcoat_roughness": material.clearcoat_roughness,
+        "anisotropy": material.anisotropy,
+        "anisotropy_rotation_rad": material.anisotropy_rotation_rad,
         "textures": textures,
     }
 

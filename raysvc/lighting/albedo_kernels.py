@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from raysvc.jit import inlined, kernel
 from raysvc.lighting.brdf import (
     MIN_COSINE,
@@ -10,11 +12,24 @@ from raysvc.lighting.brdf import (
     shadowing_given_masking,
     visible_normal,
 )
+from raysvc.lighting.brushed_lobe import (
+    brushed_alphas,
+    brushed_axes,
+    brushed_view,
+    is_brushed,
+)
+from raysvc.lighting.brushed_reflection import brushed_reflection_sample
 from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
 GOLDEN = 0.6180339887498949
+
+BRUSHED_SAMPLES = 128
+"""Of a brushed lobe, whose albedo is integrated where it is wanted."""
+_PARTS = (np.arange(BRUSHED_SAMPLES) + 0.5) / BRUSHED_SAMPLES
+_TURNS = 2.0 * np.pi * ((np.arange(BRUSHED_SAMPLES) * GOLDEN) % 1.0)
+_COSINES, _SINES = np.cos(_TURNS), np.sin(_TURNS)
 
 
 @kernel
@@ -80,6 +95,31 @@ def specular_terms(table: Doubles, nov: float, roughness: float) -> tuple[float,
 
 
 @inlined
+def brushed_terms(surface: Surface, i: int) -> tuple[float, float]:
+    """A, B of a brushed point: tables would need an angle and a strength more."""
+    axes = brushed_axes(surface, i)
+    view = brushed_view(surface, i, axes)
+    along, across = brushed_alphas(surface, i)
+    scale, bias = 0.0, 0.0
+    for k in range(BRUSHED_SAMPLES):
+        _, share, voh = brushed_reflection_sample(
+            view, along, across, _COSINES[k], _SINES[k], _PARTS[k]
+        )
+        weight = fresnel_weight(voh)
+        scale += share * (1.0 - weight)
+        bias += share * weight
+    return scale / BRUSHED_SAMPLES, bias / BRUSHED_SAMPLES
+
+
+@inlined
+def lobe_terms(table: Doubles, surface: Surface, i: int, nov: float) -> tuple[float, float]:
+    """A, B of a point's specular lobe; `nov` is its N.V."""
+    if is_brushed(surface, i):
+        return brushed_terms(surface, i)
+    return specular_terms(table, nov, float(surface.roughness[i]))
+
+
+@inlined
 def diffuse_loss(table: Doubles, nov: float) -> float:
     """C at a cosine: linear in `table`, whose axis is sqrt(cosine)."""
     x = math.sqrt(min(max(nov, 0.0), 1.0)) * (table.shape[0] - 1)
@@ -102,7 +142,7 @@ def specular_albedos(
             + surface.normal[i, 1] * surface.to_viewer[i, 1]
             + surface.normal[i, 2] * surface.to_viewer[i, 2]
         )
-        scale, bias = specular_terms(table, nov, surface.roughness[i])
+        scale, bias = lobe_terms(table, surface, i, nov)
         metal = surface.metallic[i]
         for c in range(3):
             f0 = surface.dielectric_f0[i] * (1.0 - metal) + surface.base_colour[i, c] * metal

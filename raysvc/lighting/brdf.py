@@ -117,14 +117,27 @@ def visible_normal(
     2018 it needs no second frame around the view, so that it stays continuous where view and normal
     meet.
     """
+    return stretched_visible_normal(view, alpha, alpha, cos_turn, sin_turn, u)
+
+
+@inlined
+def stretched_visible_normal(
+    view: tuple[float, float, float],
+    alpha_x: float,
+    alpha_y: float,
+    cos_turn: float,
+    sin_turn: float,
+    u: float,
+) -> tuple[float, float, float]:
+    """As `visible_normal`, of a lobe with different alphas along its first two axes."""
     # Stretch the view, take a point of the cap that it sees, shrink back
-    vx, vy, vz = alpha * view[0], alpha * view[1], view[2]
+    vx, vy, vz = alpha_x * view[0], alpha_y * view[1], view[2]
     scale = 1.0 / math.sqrt(vx * vx + vy * vy + vz * vz)
     vx, vy, vz = vx * scale, vy * scale, vz * scale
     z = (1.0 - u) * (1.0 + vz) - vz
     sine = math.sqrt(max(1.0 - z * z, 0.0))
-    hx = alpha * (sine * cos_turn + vx)
-    hy = alpha * (sine * sin_turn + vy)
+    hx = alpha_x * (sine * cos_turn + vx)
+    hy = alpha_y * (sine * sin_turn + vy)
     hz = max(z + vz, 1e-9)
     scale = 1.0 / math.sqrt(hx * hx + hy * hy + hz * hz)
     return hx * scale, hy * scale, hz * scale

@@ -14,7 +14,13 @@ from raysvc.lighting.brdf import (
     fresnel_weight,
     ggx_alpha,
     shadowing_given_masking,
-    visible_normal,
+    stretched_visible_normal,
+)
+from raysvc.lighting.brushed_lobe import (
+    brushed_alphas,
+    brushed_axes,
+    brushed_shadowing,
+    is_brushed,
 )
 from raysvc.lighting.image_kernels import turned, write_diffuse, write_specular
 from raysvc.lighting.sphere_kernels import map_radiance
@@ -73,15 +79,23 @@ def brute_specular(
         vx, vy, vz = turned(surface.to_viewer, i, cos_yaw, sin_yaw)
         nov = nx * vx + ny * vy + nz * vz
         (tx, ty, tz), (bx, by, bz) = basis((nx, ny, nz))
+        alpha = ggx_alpha(float(surface.roughness[i]))
+        along, across, brushed = alpha, alpha, is_brushed(surface, i)
+        if brushed:
+            along, across = brushed_alphas(surface, i)
+            (tx, ty, tz), (bx, by, bz), _ = brushed_axes(surface, i)
+            tx, tz = cos_yaw * tx - sin_yaw * tz, sin_yaw * tx + cos_yaw * tz
+            bx, bz = cos_yaw * bx - sin_yaw * bz, sin_yaw * bx + cos_yaw * bz
         va, vb, vn = vx * tx + vy * ty + vz * tz, vx * bx + vy * by + vz * bz, max(nov, MIN_COSINE)
         length = 1.0 / math.sqrt(va * va + vb * vb + vn * vn)
         va, vb, vn = va * length, vb * length, vn * length
-        alpha = ggx_alpha(float(surface.roughness[i]))
         r_scale, g_scale, b_scale, scale = 0.0, 0.0, 0.0, 1e-30
         r_bias, g_bias, b_bias, bias = 0.0, 0.0, 0.0, 1e-30
         for k in range(lookups):
             turn, u = 2.0 * math.pi * ((k * GOLDEN) % 1.0), (k + 0.5) / lookups
-            h = visible_normal((va, vb, vn), alpha, math.cos(turn), math.sin(turn), u)
+            h = stretched_visible_normal(
+                (va, vb, vn), along, across, math.cos(turn), math.sin(turn), u
+            )
             voh = va * h[0] + vb * h[1] + vn * h[2]
             la, lb, ln = 2.0 * voh * h[0] - va, 2.0 * voh * h[1] - vb, 2.0 * voh * h[2] - vn
             if ln <= 0.0:
@@ -92,7 +106,11 @@ def brute_specular(
                 la * ty + lb * by + ln * ny,
                 la * tz + lb * bz + ln * nz,
             )
-            weight, x = shadowing_given_masking(ln, vn, alpha), fresnel_weight(voh)
+            x = fresnel_weight(voh)
+            if brushed:
+                weight = brushed_shadowing((va, vb, vn), (la, lb, ln), along, across)
+            else:
+                weight = shadowing_given_masking(ln, vn, alpha)
             wx, w1 = weight * x, weight * (1.0 - x)
             r_scale, g_scale, b_scale = r_scale + w1 * r, g_scale + w1 * g, b_scale + w1 * b
             r_bias, g_bias, b_bias = r_bias + wx * r, g_bias + wx * g, b_bias + wx * b

@@ -15,6 +15,7 @@ import numpy as np
 
 from raysvc.jit import inlined, kernel
 from raysvc.lighting.brdf import fresnel_weight
+from raysvc.shading.brushed import Brushed
 from raysvc.shading.coat import Coat
 from raysvc.shading.glass import Glass
 from raysvc.shading.rescattering import Rescattering
@@ -75,6 +76,7 @@ class Varnish:
             emissive=np.zeros((len(point), 3), np.float32),
             coat=Coat.empty(0),
             glass=Glass.empty(0),
+            brushed=Brushed.empty(0),
             rescattering=Rescattering.empty(0),
         )
         return cls(point, share, lobe)

@@ -11,6 +11,7 @@ from raysvc.lighting.brdf import (
     ggx_density_under_disc,
     smith_visibility,
 )
+from raysvc.lighting.brushed_lobe import brushed_reflection, is_brushed
 from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
@@ -63,8 +64,11 @@ def reflect_light(
             alpha = ggx_alpha(float(surface.roughness[i]))
             # A disc of lights is a disc of half vectors: d_omega_l = 4 V.H d_omega_h
             radius2 = angular_radius * angular_radius / (4.0 * voh)
-            lobe = ggx_density_under_disc(sine2, alpha, radius2)
-            lobe *= smith_visibility(nol, nov, alpha)
+            if is_brushed(surface, i):
+                lobe = brushed_reflection(surface, i, (lx, ly, lz), (vx, vy, vz), radius2)
+            else:
+                lobe = ggx_density_under_disc(sine2, alpha, radius2)
+                lobe *= smith_visibility(nol, nov, alpha)
         weight = fresnel_weight(voh)
 
         metal = surface.metallic[i]

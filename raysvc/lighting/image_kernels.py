@@ -10,8 +10,9 @@ import math
 
 from raysvc.geometry.octahedral_kernels import octahedral_place
 from raysvc.jit import inlined, kernel
-from raysvc.lighting.albedo_kernels import diffuse_loss, specular_terms
+from raysvc.lighting.albedo_kernels import diffuse_loss, lobe_terms
 from raysvc.lighting.brdf import MIN_COSINE, MIRROR_ROUGHNESS, ggx_alpha
+from raysvc.lighting.brushed_lobe import is_brushed
 from raysvc.lighting.lobe_level_kernels import level_radiance, round_lobe
 from raysvc.lighting.sphere_kernels import map_radiance
 from raysvc.shading.rescattering_kernels import rescattered
@@ -74,7 +75,7 @@ def write_specular(
 
     F = F0 (1 - x) + x with Schlick's x: `lit` is the mean weighted by 1 - x, `grazing` by x.
     """
-    term_a, term_b = specular_terms(terms, nov, float(surface.roughness[i]))
+    term_a, term_b = lobe_terms(terms, surface, i, nov)
     metal = surface.metallic[i]
     for c in range(3):
         f0 = surface.dielectric_f0[i] * (1.0 - metal) + surface.base_colour[i, c] * metal
@@ -132,8 +133,10 @@ def specular_light(
     surface: Surface,
     radiance: Floats,
 ) -> None:
-    """Write the specular lobe's radiance to `radiance` (N, 3)."""
+    """Write the specular lobe's radiance to rows of `radiance` (N, 3), but for brushed points."""
     for i in range(len(surface.normal)):
+        if is_brushed(surface, i):
+            continue
         nx, ny, nz = turned(surface.normal, i, cos_yaw, sin_yaw)
         vx, vy, vz = turned(surface.to_viewer, i, cos_yaw, sin_yaw)
         nov = nx * vx + ny * vy + nz * vz

@@ -11,6 +11,8 @@ import numpy as np
 from raysvc.lighting import albedo
 from raysvc.lighting.area_resampling import resampled
 from raysvc.lighting.brdf import MIRROR_ROUGHNESS
+from raysvc.lighting.brushed_light import LOOKUPS_PER_ROUND_LOBE, brushed_lattice
+from raysvc.lighting.brushed_light_kernels import brushed_light
 from raysvc.lighting.brute_kernels import brute_diffuse, brute_specular
 from raysvc.lighting.ggx_lobes import cosine_lobe, ggx_lobes
 from raysvc.lighting.image_kernels import COSINE, diffuse_light, specular_light
@@ -135,7 +137,7 @@ class ImageLight:
 
     @cached_property
     def _phong(self) -> LobeLevels:
-        """Made when first asked for: surfaces have no need of it."""
+        """Made when first asked for: of surfaces only brushed ones have need of it."""
         return LobeLevels.of(self._harmonics, phong_lobes())
 
     def phong(self, directions: Floats, exponent: float) -> Floats:
@@ -249,6 +251,19 @@ class ImageLight:
             surface,
             result,
         )
+        if surface.brushed.size:
+            brushed_light(
+                *self._narrow,
+                self._phong.texels,
+                self._phong.sides,
+                self._phong.firsts,
+                self._albedo.specular,
+                brushed_lattice(LOOKUPS_PER_ROUND_LOBE * (lookups or self.filtering.lookups)),
+                *self._turn,
+                self._strength,
+                surface,
+                result,
+            )
         return result
 
     def _fits(self, lookups: int | None) -> Floats:

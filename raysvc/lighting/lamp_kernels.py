@@ -14,6 +14,7 @@ from raysvc.lighting.brdf import (
     ggx_density_under_disc,
     smith_visibility,
 )
+from raysvc.lighting.brushed_lobe import brushed_reflection, is_brushed
 from raysvc.lighting.triangle_light_kernels import triangle_irradiance
 from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
@@ -170,9 +171,13 @@ def light_from_lamps(
                     sine2 = min(max(1.0 - noh * noh / half2, 0.0), 1.0)
                     # Discs lie side by side like coins: wider lobes close the gaps
                     radius2 /= 4.0 * voh
-                    wide = math.sqrt(alpha * alpha + WIDENED * radius2)
-                    lobe = ggx_density_under_disc(sine2, wide, radius2)
-                    lobe *= smith_visibility(nol, nov, alpha) * shine
+                    if is_brushed(surface, i):
+                        spread2 = (1.0 + WIDENED) * radius2
+                        lobe = brushed_reflection(surface, i, to_light, view, spread2) * shine
+                    else:
+                        wide = math.sqrt(alpha * alpha + WIDENED * radius2)
+                        lobe = ggx_density_under_disc(sine2, wide, radius2)
+                        lobe *= smith_visibility(nol, nov, alpha) * shine
                     lobe_0, lobe_x = lobe * (1.0 - x), lobe * x
                     red_0, red_x = red_0 + r * lobe_0, red_x + r * lobe_x
                     green_0, green_x = green_0 + g * lobe_0, green_x + g * lobe_x

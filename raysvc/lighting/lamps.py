@@ -14,6 +14,7 @@ import numpy as np
 
 from raysvc import records
 from raysvc.lighting.area_light import ShadowRays
+from raysvc.lighting.brushed_light import round_roughness
 from raysvc.lighting.lamp_clusters import areas, clustered, powers
 from raysvc.lighting.lamp_kernels import Pieces, light_from_lamps, rays_to_pieces
 from raysvc.lighting.lamp_pieces import pieces_of
@@ -62,7 +63,7 @@ class LampLight:
         Smooth surfaces are without highlights: their reflected rays meet what glows.
         """
         radiance = np.empty((surface.size, 3), np.float32)
-        shine = highlight(surface.roughness)
+        shine = highlight(round_roughness(surface))
         light_from_lamps(self._discs, self._pieces, self._order, surface, shine, radiance)
         return radiance
 

@@ -15,7 +15,18 @@ from raysvc.lighting.brdf import (
     ggx_density,
     masking,
     shadowing_given_masking,
+    stretched_visible_normal,
     visible_normal,
+)
+from raysvc.lighting.brushed_lobe import (
+    brushed_alphas,
+    brushed_axes,
+    brushed_density,
+    brushed_masking,
+    brushed_shadowing,
+    brushed_view,
+    is_brushed,
+    placed_in,
 )
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
@@ -37,9 +48,19 @@ def lobe_rays(
         view = row3(surface.to_viewer, n)
         nov = max(dot(normal, view), MIN_COSINE)
         weight[n], half_width[n] = 1.0, 0.0
+        alpha = ggx_alpha(np.float64(surface.roughness[n]))
         half = normal
-        if surface.roughness[n] > MIRROR_ROUGHNESS:
-            alpha = ggx_alpha(np.float64(surface.roughness[n]))
+        if is_brushed(surface, n):
+            axes, (along, across) = brushed_axes(surface, n), brushed_alphas(surface, n)
+            local = brushed_view(surface, n, axes)
+            turn = 2.0 * math.pi * samples[n, 0]
+            h = stretched_visible_normal(
+                local, along, across, math.cos(turn), math.sin(turn), samples[n, 1]
+            )
+            half = plus(plus(scaled(axes[0], h[0]), axes[1], h[1]), axes[2], h[2])
+            density = brushed_masking(local, along, across) * brushed_density(h, along, across)
+            half_width[n] = math.sqrt(4.0 * local[2] / (math.pi * density))
+        elif surface.roughness[n] > MIRROR_ROUGHNESS:
             tangent, bitangent = basis(normal)
             local = unit_or((dot(view, tangent), dot(view, bitangent), nov), (0.0, 0.0, 1.0))
             turn = 2.0 * math.pi * samples[n, 0]
@@ -61,7 +82,14 @@ def lobe_rays(
                 ) / 3.0
                 f0 = surface.dielectric_f0[n] * (1.0 - metal) + base * metal
                 fresnel = f0 + (1.0 - f0) * fresnel_weight(voh)
-                weight[n] = fresnel * shadowing_given_masking(nol, nov, alpha)
+                if is_brushed(surface, n):
+                    axes, (along, across) = brushed_axes(surface, n), brushed_alphas(surface, n)
+                    light = placed_in(axes, towards)
+                    seen = brushed_view(surface, n, axes)
+                    shadowing = brushed_shadowing(seen, light, along, across)
+                else:
+                    shadowing = shadowing_given_masking(nol, nov, alpha)
+                weight[n] = fresnel * shadowing
         below = dot(towards, ng)
         if below < 0.0:
             towards = plus(towards, ng, -2.0 * below)

@@ -1,7 +1,7 @@
 """Loops over points whose microfacets scatter light more than once."""
 
 from raysvc.jit import kernel
-from raysvc.lighting.albedo_kernels import specular_terms
+from raysvc.lighting.albedo_kernels import lobe_terms
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
@@ -24,5 +24,5 @@ def missing_energies(table: Doubles, surface: Surface, missing: Floats) -> None:
             + surface.normal[i, 1] * surface.to_viewer[i, 1]
             + surface.normal[i, 2] * surface.to_viewer[i, 2]
         )
-        scale, bias = specular_terms(table, nov, surface.roughness[i])
+        scale, bias = lobe_terms(table, surface, i, nov)
         missing[i] = 1.0 / (scale + bias) - 1.0

@@ -21,6 +21,7 @@ import numpy as np
 from raysvc.geometry.vector_kernels import Vec3
 from raysvc.jit import inlined
 from raysvc.lighting.microfacet_reflection import reflection_lobe, reflection_sample
+from raysvc.shading.brushed import Brushed
 from raysvc.shading.coat import Coat
 from raysvc.shading.glass import Glass
 from raysvc.shading.rescattering import Rescattering
@@ -66,5 +67,6 @@ def far_side(surface: Surface) -> Surface:
         emissive=np.zeros((surface.size, 3), np.float32),
         coat=Coat.empty(0),
         glass=Glass.empty(0),
+        brushed=Brushed.empty(0),
         rescattering=Rescattering.empty(0),
     )

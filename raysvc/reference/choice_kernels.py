@@ -1,7 +1,7 @@
 """How often paths follow each lobe of a material: as much as it returns of constant light."""
 
 from raysvc.jit import inlined, kernel
-from raysvc.lighting.albedo_kernels import diffuse_loss, specular_terms
+from raysvc.lighting.albedo_kernels import diffuse_loss, lobe_terms
 from raysvc.lighting.clearcoat import coat_share
 from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
@@ -60,7 +60,7 @@ def lobe_choices(
             mirror = luminance(reflected[n, 0], reflected[n, 1], reflected[n, 2])
             through = luminance(transmitted[n, 0], transmitted[n, 1], transmitted[n, 2])
         else:
-            scale, bias = specular_terms(terms, cosine, surface.roughness[n])
+            scale, bias = lobe_terms(terms, surface, n, cosine)
             f0 = dielectric * (1.0 - metal) + base * metal
             mirror = (f0 * scale + bias) * rescattered(surface, n, f0)
             through = 0.0

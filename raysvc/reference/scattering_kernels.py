@@ -17,6 +17,8 @@ from raysvc.geometry.basis_kernels import basis
 from raysvc.geometry.vector_kernels import Vec3, dot, plus, row3, scaled, unit_or
 from raysvc.jit import inlined, kernel
 from raysvc.lighting.brdf import MIN_COSINE, ggx_alpha
+from raysvc.lighting.brushed_lobe import brushed_alphas, brushed_axes, is_brushed
+from raysvc.lighting.brushed_reflection import brushed_reflection_lobe, brushed_reflection_sample
 from raysvc.lighting.microfacet_reflection import reflection_lobe, reflection_sample
 from raysvc.lighting.microfacet_refraction import (
     boundary_fresnel_weight,
@@ -43,6 +45,14 @@ def axes_of(normals: Floats, n: int) -> Axes:
     normal = scaled(normal, 1.0 / math.sqrt(dot(normal, normal)))
     tangent, bitangent = basis(normal)
     return tangent, bitangent, normal
+
+
+@inlined
+def axes_under_coat(surface: Surface, n: int) -> Axes:
+    """Axes of the surface itself: those in which it is brushed, if it is."""
+    if is_brushed(surface, n):
+        return brushed_axes(surface, n)
+    return axes_of(surface.normal, n)
 
 
 @inlined
@@ -75,7 +85,7 @@ def answer(surface: Surface, choice: Doubles, n: int, light: Vec3) -> Answer:
     above = dot(across, light)
     if above == 0.0 or (above < 0.0 and choice[n, THROUGH] == 0.0):
         return red, green, blue, density
-    axes = axes_of(surface.normal, n)
+    axes = axes_under_coat(surface, n)
     view = view_in(axes, surface, n)
     alpha = ggx_alpha(np.float64(surface.roughness[n]))
     eta = eta_of(surface, n)
@@ -100,7 +110,11 @@ def answer(surface: Surface, choice: Doubles, n: int, light: Vec3) -> Answer:
         lobe, drawn_as, voh = 0.0, 0.0, 1.0
         diffuse, cosine = 0.0, abs(at[2])
         if above > 0.0:
-            lobe, drawn_as, voh = reflection_lobe(view, at, alpha)
+            if is_brushed(surface, n):
+                along, narrow = brushed_alphas(surface, n)
+                lobe, drawn_as, voh = brushed_reflection_lobe(view, at, along, narrow)
+            else:
+                lobe, drawn_as, voh = reflection_lobe(view, at, alpha)
             diffuse = (1.0 - metal) * (1.0 - through) / math.pi
             density += choice[n, MIRROR] * drawn_as + choice[n, DIFFUSE] * cosine / math.pi
         else:
@@ -138,11 +152,14 @@ def drawn(surface: Surface, choice: Doubles, n: int, pick: float, u: float, v: f
         view = view_in(axes, surface, n)
         at, weight, _ = reflection_sample(view, alpha, cos_turn, sin_turn, u)
     else:
-        axes = axes_of(surface.normal, n)
+        axes = axes_under_coat(surface, n)
         alpha = ggx_alpha(np.float64(surface.roughness[n]))
         view = view_in(axes, surface, n)
         pick -= choice[n, COAT]
-        if pick < choice[n, MIRROR]:
+        if pick < choice[n, MIRROR] and is_brushed(surface, n):
+            along, narrow = brushed_alphas(surface, n)
+            at, weight, _ = brushed_reflection_sample(view, along, narrow, cos_turn, sin_turn, u)
+        elif pick < choice[n, MIRROR]:
             at, weight, _ = reflection_sample(view, alpha, cos_turn, sin_turn, u)
         elif pick < choice[n, MIRROR] + choice[n, DIFFUSE]:
             radius = math.sqrt(u)

@@ -1,5 +1,5 @@
 """glTF 2.0 metallic-roughness materials (specification, section 3.9 and Appendix B), with what
-KHR_materials_transmission, _volume, _ior and _clearcoat add."""
+KHR_materials_transmission, _volume, _ior, _clearcoat and _anisotropy add."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -18,6 +18,7 @@ TEXTURE_SLOTS = (
     "clearcoat",
     "clearcoat_roughness",
     "clearcoat_normal",
+    "anisotropy",
 )
 """What a material may read from textures."""
 
@@ -40,7 +41,7 @@ class Material:
 
     Base colour and emissive textures are sRGB, the others linear. Roughness is the G and metalness
     the B channel of `metallic_roughness_texture`; occlusion, transmission and clearcoat are R,
-    clearcoat roughness is G.
+    clearcoat roughness is G; anisotropy's direction is R and G, its strength B.
     """
 
     name: str = ""
@@ -70,6 +71,10 @@ class Material:
     """How much of the surface lies under a clear varnish of index 1.5."""
     clearcoat_roughness: float = 0.0
     clearcoat_normal_scale: float = 1.0
+    anisotropy: float = 0.0
+    """0..1: along the tangent GGX's alpha is mix(alpha, 1, anisotropy^2)."""
+    anisotropy_rotation_rad: float = 0.0
+    """Of that direction, counter-clockwise from the tangent."""
     normal_scale: float = 1.0
     occlusion_strength: float = 1.0
     base_colour_texture: TextureRef | None = None
@@ -81,6 +86,7 @@ class Material:
     clearcoat_texture: TextureRef | None = None
     clearcoat_roughness_texture: TextureRef | None = None
     clearcoat_normal_texture: TextureRef | None = None
+    anisotropy_texture: TextureRef | None = None
 
     def texture_refs(self) -> tuple[TextureRef | None, ...]:
         """What each of TEXTURE_SLOTS reads, in that order."""
@@ -102,5 +108,7 @@ class Material:
             self.clearcoat,
             self.clearcoat_roughness,
             self.clearcoat_normal_scale,
+            self.anisotropy,
+            self.anisotropy_rotation_rad,
             *(x for ref in self.texture_refs() if ref is not None for x in ref.uv_transform),
         )

@@ -1,5 +1,6 @@
 """Materials as arrays that kernels can read."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +13,8 @@ from raysvc.types import Floats, Ints
 BASE, ALPHA, METALLIC, ROUGHNESS, EMISSIVE, F0, CUTOFF = 0, 3, 4, 5, 6, 9, 10
 NORMAL_SCALE, OCCLUSION_STRENGTH, TRANSMISSION, IOR, ABSORPTION = 11, 12, 13, 14, 15
 COAT, COAT_ROUGHNESS, COAT_NORMAL_SCALE = 18, 19, 20
-FACTORS = 21
+BRUSHING, BRUSHING_TURN = 21, 22  # cosine and sine
+FACTORS = 24
 
 # Slots, in the order of raysvc.scene.material.TEXTURE_SLOTS.
 (
@@ -25,8 +27,9 @@ FACTORS = 21
     COAT_SLOT,
     COAT_ROUGHNESS_SLOT,
     COAT_NORMAL_SLOT,
-) = range(9)
-SLOTS = 9
+    BRUSHING_SLOT,
+) = range(10)
+SLOTS = 10
 
 OPAQUE, MASK, BLEND = range(3)
 
@@ -40,7 +43,7 @@ class MaterialTable(NamedTuple):
     factors: Floats
     """(M, FACTORS) float32, see the column numbers above."""
     texture: Ints
-    """(M, SLOTS, 2) int32: texture (-1 none) and uv set of each slot."""
+    """(M, SLOTS, 2) int32: texture (-1 none) and uv set (0 if there is none) of each slot."""
     uv_transform: Floats
     """(M, SLOTS, 6) float32, as in `TextureRef`."""
     flags: Ints
@@ -52,6 +55,7 @@ def material_table(materials: tuple[Material, ...]) -> MaterialTable:
     count = len(materials)
     factors = np.zeros((count, FACTORS), np.float32)
     texture = np.full((count, SLOTS, 2), -1, np.int32)
+    texture[:, :, 1] = 0
     uv_transform = np.tile(np.array(IDENTITY_UV, np.float32), (count, SLOTS, 1))
     flags = np.zeros((count, 3), np.int32)
     for row, material in enumerate(materials):
@@ -71,6 +75,9 @@ def material_table(materials: tuple[Material, ...]) -> MaterialTable:
             material.clearcoat,
             material.clearcoat_roughness,
             material.clearcoat_normal_scale,
+            material.anisotropy,
+            math.cos(material.anisotropy_rotation_rad),
+            math.sin(material.anisotropy_rotation_rad),
         )
         flags[row] = (
             ("opaque", "mask", "blend").index(material.alpha_mode),

@@ -49,6 +49,8 @@ class SceneTables:
     """Some material has varnish: surfaces have a `Coat`."""
     glassy: bool
     """Some material transmits light: surfaces have a `Glass`."""
+    brushed: bool
+    """Some material is anisotropic: surfaces have a `Brushed`."""
 
     @classmethod
     def of(cls, scene: Scene) -> "SceneTables":
@@ -76,6 +78,7 @@ class SceneTables:
             np.array([m.transmission > 0.0 for m in scene.materials] or [False])[material],
             any(m.clearcoat > 0.0 for m in scene.materials),
             any(m.transmission > 0.0 for m in scene.materials),
+            any(m.anisotropy > 0.0 for m in scene.materials),
         )
 
     def of_shape(self, scene: Scene) -> "SceneTables":
@@ -141,7 +144,7 @@ class SceneTables:
         texture_filter
             a key of TEXTURE_FILTERS
         """
-        surface = Surface.empty(len(triangle), self.coated, self.glassy)
+        surface = Surface.empty(len(triangle), self.coated, self.glassy, self.brushed)
         if footprint is None:
             footprint = Footprint.points(len(triangle))
         evaluate(

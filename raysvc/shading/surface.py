@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from raysvc import records
+from raysvc.shading.brushed import Brushed
 from raysvc.shading.coat import Coat
 from raysvc.shading.glass import Glass
 from raysvc.shading.rescattering import Rescattering
@@ -15,10 +16,10 @@ from raysvc.types import Bools, Floats, Longs
 class Surface(NamedTuple):
     """Points with materials evaluated; world space, linear Rec.709, float32 except `unlit`.
 
-    A tuple of arrays, so that kernels take it whole. Few scenes have varnish or glass, so those are
-    groups of arrays of their own: of all N points, or of none where no material of the scene asks
-    for them. Arrays without rows cost nothing to make, to copy and to pass, and have the same type,
-    so that no kernel is compiled twice.
+    A tuple of arrays, so that kernels take it whole. Few scenes have varnish, glass or brushed
+    metal, so those are groups of arrays of their own: of all N points, or of none where no material
+    of the scene asks for them. Arrays without rows cost nothing to make, to copy and to pass, and
+    have the same type, so that no kernel is compiled twice.
 
     Attributes
     ----------
@@ -52,6 +53,8 @@ class Surface(NamedTuple):
         of N points or none
     glass
         of N points or none
+    brushed
+        of N points or none
     rescattering
         of N points, or none where multiple scattering is left out
     """
@@ -72,6 +75,7 @@ class Surface(NamedTuple):
     clearance: Floats
     coat: Coat
     glass: Glass
+    brushed: Brushed = Brushed.empty(0)
     rescattering: Rescattering = Rescattering.empty(0)
 
     @property
@@ -80,8 +84,10 @@ class Surface(NamedTuple):
         return len(self.position)
 
     @staticmethod
-    def empty(count: int, coated: bool = False, glassy: bool = False) -> "Surface":
-        """Return room for points, to be filled, with or without those of coat and glass."""
+    def empty(
+        count: int, coated: bool = False, glassy: bool = False, brushed: bool = False
+    ) -> "Surface":
+        """Return room for points, to be filled, with or without those of the groups."""
         return Surface(
             position=np.empty((count, 3), np.float32),
             geometric_normal=np.empty((count, 3), np.float32),
@@ -99,6 +105,7 @@ class Surface(NamedTuple):
             clearance=np.empty(count, np.float32),
             coat=Coat.empty(count if coated else 0),
             glass=Glass.empty(count if glassy else 0),
+            brushed=Brushed.empty(count if brushed else 0),
         )
 
     @staticmethod

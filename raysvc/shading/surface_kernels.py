@@ -5,6 +5,7 @@ import numpy as np
 from raysvc.geometry.vector_kernels import dot, row3, scaled
 from raysvc.jit import kernel
 from raysvc.shading.attribute_kernels import Geometry, mixed3, normals
+from raysvc.shading.brushed_kernels import LEAST_ROUGHNESS, write_brushed
 from raysvc.shading.coat_kernels import write_coat
 from raysvc.shading.footprint import Footprint
 from raysvc.shading.footprint_kernels import spread_of_weights
@@ -13,6 +14,7 @@ from raysvc.shading.material_table import (
     BASE,
     BASE_SLOT,
     BLEND,
+    BRUSHING_SLOT,
     COAT_SLOT,
     EMISSIVE,
     EMISSIVE_SLOT,
@@ -53,13 +55,14 @@ def evaluate(
     texture_filter: int,
     surface: Surface,
 ) -> None:
-    """Fill the arrays of a `Surface` of N points, and of its coat if there is room for one.
+    """Fill the arrays of a `Surface` of N points, those of coat and brushing if there is room.
 
     triangle (N,), barycentric (N, 2); directions (N, 3) unit, of the rays that arrived; footprint
     of N points, what pixels cover there.
     """
     is_coated = len(surface.coat.clearcoat) > 0
-    slots = SLOTS if is_coated else COAT_SLOT
+    is_brushed = len(surface.brushed.strength) > 0
+    slots = SLOTS if is_brushed else (BRUSHING_SLOT if is_coated else COAT_SLOT)
     texel = np.empty((SLOTS, 4))
     for n in range(len(triangle)):
         f = triangle[n]
@@ -101,6 +104,9 @@ def evaluate(
         if is_coated:
             write_coat(geometry, materials, texel, f, u, v, front, side, towards, surface.coat, n)
 
+        if is_brushed:
+            write_brushed(geometry, materials, texel, f, u, v, front, ns, surface.brushed, n)
+
         # Colour and coverage
         colour = geometry.colours
         vertex = mixed3(colour, i0, i1, i2, u, v)
@@ -116,6 +122,8 @@ def evaluate(
         # Metalness, roughness, transmission, occlusion, emission
         roughness = factors[material, ROUGHNESS] * texel[METALLIC_ROUGHNESS_SLOT, 1]
         surface.roughness[n] = min(max(roughness, 0.0), 1.0)
+        if is_brushed and surface.brushed.strength[n] > 0.0:
+            surface.roughness[n] = max(surface.roughness[n], LEAST_ROUGHNESS)
         metallic = factors[material, METALLIC] * texel[METALLIC_ROUGHNESS_SLOT, 2]
         surface.metallic[n] = min(max(metallic, 0.0), 1.0)
         surface.dielectric_f0[n] = factors[material, F0]

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from raysvc.shading.brushed import Brushed
 from raysvc.shading.coat import Coat
 from raysvc.shading.glass import Glass
 from raysvc.shading.surface import Surface
@@ -33,6 +34,18 @@ def surface_of(normal, view, base=1.0, metallic=1.0, roughness=0.5, dielectric_f
         coat=Coat.empty(0),
         glass=Glass.empty(0),
     )
+
+
+def brushed(surface, strength, rng=None, tangent=None):
+    """The same points, brushed: along one tangent, or along tangents at random."""
+    normal = surface.normal.astype(float)
+    towards = (
+        random_directions(rng, surface.size) if tangent is None else np.asarray(tangent, float)
+    )
+    across = np.cross(normal, np.cross(towards, normal))
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    strength = np.broadcast_to(np.float32(strength), surface.size).copy()
+    return surface._replace(brushed=Brushed(strength, across.astype(np.float32)))
 
 
 def random_directions(rng, count):

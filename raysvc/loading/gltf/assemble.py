@@ -20,7 +20,7 @@ from raysvc.loading.gltf.placing import Arrays, determinants, place
 from raysvc.loading.gltf.primitives import Primitives
 from raysvc.loading.gltf.textures import Textures
 from raysvc.loading.gltf.views import read_cameras, read_lights
-from raysvc.scene import Material, Scene
+from raysvc.scene import Material, Scene, TextureRef
 
 _SINGULAR = 1e-12
 
@@ -138,8 +138,17 @@ def _filled(parts: list[_Part], primitives: Primitives, materials: tuple[Materia
     for part in parts:
         shape = primitives.read(part.primitive, part.path)
         material = materials[part.material]
-        normal_map = material.normal_texture or material.clearcoat_normal_texture
-        shapes.append(shape if normal_map is None else with_tangents(shape, normal_map))
+        reads_tangents = (
+            material.normal_texture
+            or material.clearcoat_normal_texture
+            or material.anisotropy_texture
+            or (TextureRef(0) if material.anisotropy > 0.0 else None)
+        )
+        if reads_tangents is not None:
+            shape = with_tangents(shape, reads_tangents)
+        if material.anisotropy > 0.0:
+            primitives.note_missing_tangents(shape, part.path)
+        shapes.append(shape)
         primitives.note_missing_uv(part.primitive, part.path, material)
     counts = [len(part.placement.nodes) for part in parts]
     arrays = Arrays.empty(

@@ -15,6 +15,7 @@ SUPPORTED = frozenset(
         "EXT_mesh_gpu_instancing",
         "EXT_texture_webp",
         "KHR_lights_punctual",
+        "KHR_materials_anisotropy",
         "KHR_materials_clearcoat",
         "KHR_materials_emissive_strength",
         "KHR_materials_ior",
@@ -82,6 +83,15 @@ class Clearcoat:
     clearcoatRoughnessFactor: float = 0.0  # noqa: N815
     clearcoatRoughnessTexture: pygltflib.TextureInfo | None = None  # noqa: N815
     clearcoatNormalTexture: pygltflib.NormalMaterialTexture | None = None  # noqa: N815
+
+
+@dataclass
+class Anisotropy:
+    """KHR_materials_anisotropy."""
+
+    anisotropyStrength: float = 0.0  # noqa: N815
+    anisotropyRotation: float = 0.0  # noqa: N815
+    anisotropyTexture: pygltflib.TextureInfo | None = None  # noqa: N815
 
 
 @dataclass

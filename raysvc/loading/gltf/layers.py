@@ -1,5 +1,5 @@
-"""What light passes on a material: glass (KHR_materials_transmission, KHR_materials_volume) and
-varnish (KHR_materials_clearcoat).
+"""What light passes on a material: glass (KHR_materials_transmission, KHR_materials_volume),
+varnish (KHR_materials_clearcoat), and scratches (KHR_materials_anisotropy).
 """
 
 import math
@@ -8,13 +8,14 @@ from dataclasses import replace
 import pygltflib
 
 from raysvc.errors import InvalidScene
-from raysvc.loading.gltf.extensions import Clearcoat, Transmission, Volume, extension
+from raysvc.loading.gltf.extensions import Anisotropy, Clearcoat, Transmission, Volume, extension
 from raysvc.loading.gltf.slots import Slots
 from raysvc.scene import Material
 
 _TRANSMISSION = "KHR_materials_transmission"
 _VOLUME = "KHR_materials_volume"
 _CLEARCOAT = "KHR_materials_clearcoat"
+_ANISOTROPY = "KHR_materials_anisotropy"
 _DENSEST = 1e6
 """Largest absorption per metre: a micrometre of it is black enough."""
 
@@ -25,12 +26,13 @@ def with_layers(material: Material, given: pygltflib.Material, path: str, slots:
     The extensions exclude KHR_materials_unlit: an unlit material has none, which is noted.
     """
     if material.unlit:
-        for name in (_TRANSMISSION, _VOLUME, _CLEARCOAT):
+        for name in (_TRANSMISSION, _VOLUME, _CLEARCOAT, _ANISOTROPY):
             if name in (given.extensions or {}):
                 slots.journal.note(f"{name} is left out, for the material is unlit", path)
         return material
     material = _with_transmission(material, given, path, slots)
-    return _with_clearcoat(material, given, path, slots)
+    material = _with_clearcoat(material, given, path, slots)
+    return _with_anisotropy(material, given, path, slots)
 
 
 def _with_transmission(
@@ -90,4 +92,19 @@ def _with_clearcoat(
         clearcoat_normal_texture=slots.read(
             coat.clearcoatNormalTexture, f"{here}.clearcoatNormalTexture"
         ),
+    )
+
+
+def _with_anisotropy(
+    material: Material, given: pygltflib.Material, path: str, slots: Slots
+) -> Material:
+    brushing = extension(Anisotropy, _ANISOTROPY, given, path)
+    if brushing is None:
+        return material
+    here = f"{path}.extensions.{_ANISOTROPY}"
+    return replace(
+        material,
+        anisotropy=slots.within(brushing.anisotropyStrength, 1.0, f"{here}.anisotropyStrength"),
+        anisotropy_rotation_rad=math.remainder(brushing.anisotropyRotation, math.tau),
+        anisotropy_texture=slots.read(brushing.anisotropyTexture, f"{here}.anisotropyTexture"),
     )

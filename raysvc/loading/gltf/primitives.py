@@ -69,6 +69,15 @@ class Primitives:
                     f"has no TEXCOORD_{ref.uv_set}, which its material reads", path
                 )
 
+    def note_missing_tangents(self, shape: Shape, path: str) -> None:
+        """Warn where nothing gives a direction to an anisotropic material."""
+        if not shape.tangents.any():
+            self._document.journal.note(
+                "has neither tangents nor texture coordinates to make them from, which its "
+                "material's anisotropy wants: it is left out",
+                path,
+            )
+
     def note_missing(self, primitive: pygltflib.Primitive, path: str) -> None:
         """Warn of everything of a primitive that will not be seen."""
         journal = self._document.journal

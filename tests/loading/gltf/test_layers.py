@@ -12,6 +12,7 @@ from tests.loading.gltf.building import QUAD, QUAD_INDICES, QUAD_UV, Builder, tr
 TRANSMISSION = "KHR_materials_transmission"
 VOLUME = "KHR_materials_volume"
 CLEARCOAT = "KHR_materials_clearcoat"
+ANISOTROPY = "KHR_materials_anisotropy"
 
 
 def with_extensions(**extensions):
@@ -66,6 +67,37 @@ def test_the_coat_has_its_own_strength_roughness_and_bumps():
     assert loaded(**{CLEARCOAT: {}}) == Material()
 
 
+def test_scratches_have_a_strength_and_a_direction():
+    given = {ANISOTROPY: {"anisotropyStrength": 0.5, "anisotropyRotation": math.tau + 1}}
+    scene = with_extensions(**given).load()
+    made = scene.materials[0]
+    assert made.anisotropy == 0.5
+    assert made.anisotropy_rotation_rad == pytest.approx(1)
+    (warning,) = scene.warnings
+    assert "neither tangents nor texture coordinates" in warning
+    assert loaded(**{ANISOTROPY: {}}) == Material()
+
+
+@pytest.mark.parametrize("textured", [False, True])
+def test_scratched_meshes_get_tangents_from_texture_coordinates(textured):
+    builder = Builder()
+    builder.png(np.full((1, 1, 3), 200, np.uint8))
+    scratches = {"anisotropyStrength": 0.5}
+    if textured:
+        turned = {"KHR_texture_transform": {"rotation": math.pi / 2}}
+        scratches["anisotropyTexture"] = {"index": 0, "extensions": turned}
+    builder.add("materials", {"extensions": {ANISOTROPY: scratches}})
+    up = np.tile(np.array([[0, 0, 1]], "f"), (4, 1))
+    builder.mesh(QUAD, QUAD_INDICES, {"material": 0}, NORMAL=up, TEXCOORD_0=QUAD_UV)
+    scene = builder.load()
+    assert scene.warnings == ()
+    assert (scene.materials[0].anisotropy_texture is not None) == textured
+    along = scene.tangents[:, :3]
+    assert np.abs(along @ [0.0, 1.0, 0.0] if textured else along @ [1.0, 0.0, 0.0]) == (
+        pytest.approx(1)
+    )
+
+
 def layered_quad():
     """A quad with all four textures, none of them of the base material, and a thickness."""
     builder = Builder()
@@ -87,6 +119,7 @@ def layered_quad():
                     "clearcoatRoughnessTexture": {"index": 1, "extensions": moved},
                     "clearcoatNormalTexture": {"index": 0, "scale": -2000},
                 },
+                ANISOTROPY: {"anisotropyTexture": {"index": 2}},
             }
         },
     )
@@ -109,10 +142,11 @@ def test_textures_of_all_layers_are_found():
         made.clearcoat_texture,
         made.clearcoat_roughness_texture,
         made.clearcoat_normal_texture,
+        made.anisotropy_texture,
     )
     assert refs == made.texture_refs()[5:]
-    assert [scene.textures[ref.texture].texels[0, 0, 0] for ref in refs] == [120, 80, 40, 0]
-    assert [ref.uv_set for ref in refs] == [1, 0, 1, 0]
+    assert [scene.textures[ref.texture].texels[0, 0, 0] for ref in refs] == [120, 80, 40, 0, 80]
+    assert [ref.uv_set for ref in refs] == [1, 0, 1, 0, 0]
     assert refs[2].uv_transform[2] == 0.5
     assert made.clearcoat_normal_scale == -1000
     assert scene.warnings == ()
@@ -156,6 +190,7 @@ OUT_OF_RANGE = {
         (0, 0, 0),
     ),
     "clearcoatFactor": ({CLEARCOAT: {"clearcoatFactor": -0.5}}, "clearcoat", 0),
+    "anisotropyStrength": ({ANISOTROPY: {"anisotropyStrength": -0.5}}, "anisotropy", 0),
     "clearcoatRoughnessFactor": (
         {CLEARCOAT: {"clearcoatRoughnessFactor": 7}},
         "clearcoat_roughness",
@@ -223,7 +258,7 @@ def test_all_of_them_may_be_required():
     assert builder.load().materials[0].transmission == 1
 
 
-@pytest.mark.parametrize("name", ["specular", "sheen", "iridescence", "anisotropy", "dispersion"])
+@pytest.mark.parametrize("name", ["specular", "sheen", "iridescence", "dispersion"])
 def test_what_other_extensions_would_do_to_light_is_named(name):
     (warning,) = with_extensions(**{f"KHR_materials_{name}": {}}).load().warnings
     assert f"KHR_materials_{name} is not supported" in warning

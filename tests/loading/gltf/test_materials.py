@@ -95,7 +95,7 @@ def test_the_five_textures_of_the_core_are_found_with_their_strengths():
     refs = made.texture_refs()[:5]
     assert [scene.textures[ref.texture].texels[0, 0, 0] for ref in refs] == [4, 3, 2, 1, 0]
     assert [ref.uv_set for ref in refs] == [0, 1, 0, 0, 0]
-    assert made.texture_refs()[5:] == (None,) * 4
+    assert made.texture_refs()[5:] == (None,) * 5
     assert (made.normal_scale, made.occlusion_strength) == (-0.5, 0.25)
     assert scene.warnings == ()
 
