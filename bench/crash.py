@@ -90,9 +90,11 @@ def look(client: httpx.Client, folder: Path, witness: Witness) -> None:
 
 def live(folder: Path, renderer: str, witness: Witness, seeds: list[int], life_s: float) -> None:
     """Start the service, ask for renders, and kill it after a while."""
-    with service(folder, renderer) as (process, address):
+    with (
+        service(folder, renderer) as (process, address),
+        httpx.Client(base_url=address, timeout=5) as client,
+    ):
         end = time.monotonic() + life_s
-        client = httpx.Client(base_url=address, timeout=5)
         waiting = [*witness.unheard, *seeds]
         witness.unheard |= set(seeds)
         while time.monotonic() < end:
