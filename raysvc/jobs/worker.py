@@ -82,7 +82,7 @@ class Worker:
         began = time.monotonic()
         self._overdue_s = None if deadline_s is None else began + deadline_s + PATIENCE_S
         try:
-            statistics = self._fulfil(request, control)
+            job.finish(self._fulfil(request, control))
         except Cancelled:
             job.stop()
         except RaysvcError as error:
@@ -92,7 +92,5 @@ class Worker:
         except Exception:
             logger.exception("%s %s failed", request.kind, job.id)
             job.fail(RaysvcError("an internal error; the service's log says more"))
-        else:
-            job.finish(statistics)
         self._overdue_s = None
         self._queue.took(time.monotonic() - began)
