@@ -4,7 +4,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from types import MappingProxyType
 from typing import Any, Final, Generic, TypeVar
@@ -134,14 +134,12 @@ class Job(Generic[Asked]):
     def finish(self, statistics: Mapping[str, Any]) -> None:
         """The result is there."""
         with self._lock:
-            self.statistics = statistics
-            self._move(JobState.DONE)
+            self._move(JobState.DONE, statistics=statistics)
 
     def fail(self, error: RaysvcError) -> None:
         """There will be no result, and why."""
         with self._lock:
-            self.error = error
-            self._move(JobState.FAILED)
+            self._move(JobState.FAILED, error=error)
 
     def stop(self) -> None:
         """The running job heeded `cancel`, or `interrupt`: then it will run again."""
@@ -182,17 +180,24 @@ class Job(Generic[Asked]):
             if self._control is not None:
                 self._control.cancel()
 
-    def _move(self, state: JobState) -> None:
+    def _move(
+        self,
+        state: JobState,
+        statistics: Mapping[str, Any] | None = None,
+        error: RaysvcError | None = None,
+    ) -> None:
         if state not in TRANSITIONS[self.state]:
             raise AssertionError(f"a {self.state} job cannot become {state}")
         ended = not TRANSITIONS[state]
-        if ended:
-            self.finished_s = time.time()
+        finished_s = time.time() if ended else None
+        # Writing takes its time, in which the job is still seen as it was.
+        record = self._record(state)
+        self.keep(replace(record, finished_s=finished_s, statistics=statistics, error=error))
+        self.finished_s, self.statistics, self.error = finished_s, statistics, error
         if state is not JobState.RUNNING:
             self._control = None
         if state is JobState.QUEUED:
             self.stage_fraction = 0.0
-        self.keep(self._record(state))
         self.state = state  # last: who sees a state sees what belongs to it
         self.revision += 1
         if ended:

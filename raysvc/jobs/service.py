@@ -145,16 +145,17 @@ class RenderService:
         known = self._register.keyed(key, RenderRequest)
         if known is not None:
             return known
-        scene = self.scenes.get(request.scene)
-        check_cost(request.settings, camera_from(request.camera, scene, self.limits), self.limits)
-        if request.probe is not None:
-            check_probe(request.probe, request.settings, scene)
+        self.scenes.record(request.scene)
         if request.environment is not None:
             self.environments.record(request.environment)
         job = Job(secrets.token_hex(16), request)
         held = self._results.picture(request)
         if held is not None:
             job.finish(held.statistics.to_dict())
+        else:
+            # First of all: a crowd that is turned away should not cost the reading of its scenes.
+            self._queue.check_room()
+            self._check(request)
         return self._register.accept(job, key)
 
     def submit_comparison(
@@ -167,6 +168,7 @@ class RenderService:
         known = self._register.keyed(key, ComparisonRequest)
         if known is not None:
             return known
+        self._queue.check_room()
         scene = self.scenes.get(request.scene)
         camera_from(request.settings.camera, scene, self.limits)
         candidates(request.settings)
@@ -216,6 +218,13 @@ class RenderService:
         if ended:
             self._ledger.close()
             self._lock.release()
+
+    def _check(self, request: RenderRequest) -> None:
+        """Raise InvalidInput for what the scene cannot be asked for, or is too much."""
+        scene = self.scenes.get(request.scene)
+        check_cost(request.settings, camera_from(request.camera, scene, self.limits), self.limits)
+        if request.probe is not None:
+            check_probe(request.probe, request.settings, scene)
 
     def _needed(self, kind: str) -> set[str]:
         """Names of the scenes or environments that jobs are going to read."""
