@@ -36,8 +36,8 @@ CREATE TABLE jobs (
     attempts INTEGER NOT NULL,
     cancel_asked INTEGER NOT NULL,
     stage_fraction REAL NOT NULL,        -- of the stage that ran when this was written
-    owner TEXT,                          -- the process that runs it
-    heartbeat_s REAL,                    -- and when that was last seen to get on
+    owner TEXT,                          -- the process that runs it, and that alone may move it
+    heartbeat_s REAL,                    -- when that was last seen to get on
     created_s REAL NOT NULL,
     started_s REAL,
     finished_s REAL,
@@ -65,7 +65,7 @@ _UPDATE: Final = """
 UPDATE jobs SET state = :state, attempts = :attempts, cancel_asked = :cancel_asked,
     stage_fraction = :stage_fraction, owner = :owner, heartbeat_s = :heartbeat_s,
     started_s = :started_s, finished_s = :finished_s, statistics = :statistics, error = :error
-WHERE id = :id
+WHERE id = :id AND (owner IS NULL OR owner = :me)
 """
 
 
@@ -123,14 +123,27 @@ class Ledger:
                 )
 
     def write(self, record: JobRecord) -> None:
-        """Write down what became of a job. Raises StorageFull."""
+        """Write down what became of a job.
+
+        Raises StorageFull, and RaysvcError for a job that another process has taken over.
+        """
         with self._transaction() as cursor:
-            cursor.execute(_UPDATE, self._row(record))
+            cursor.execute(_UPDATE, self._row(record) | {"me": self._owner})
+            if cursor.rowcount != 1:
+                raise RaysvcError(f"another process has taken job {record.id} over")
+
+    def take_over(self) -> None:
+        """Become the owner of what others run: from now on, they cannot move it any more."""
+        with self._transaction() as cursor:
+            cursor.execute("UPDATE jobs SET owner = ? WHERE owner IS NOT NULL", (self._owner,))
 
     def beat(self, id: str) -> None:
-        """Note that a running job gets on."""
+        """Note that a job that runs here gets on."""
         with self._transaction(sync=False) as cursor:
-            cursor.execute("UPDATE jobs SET heartbeat_s = ? WHERE id = ?", (time.time(), id))
+            cursor.execute(
+                "UPDATE jobs SET heartbeat_s = ? WHERE id = ? AND owner = ?",
+                (time.time(), id, self._owner),
+            )
 
     def find(self, id: str) -> JobRecord | None:
         """Return a job, or None. One whose request this version cannot read is not found."""

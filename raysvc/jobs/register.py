@@ -33,12 +33,17 @@ class JobRegister:
         self._beaten_s = 0.0
 
     def recover(self) -> None:
-        """Queue what waited or ran when an earlier process ended."""
+        """Queue what waited or ran when an earlier process ended.
+
+        Whoever calls this owns the folder: a process that has jobs there is dead, or has lost them.
+        """
+        self._ledger.take_over()
         for record in self._ledger.unfinished():
             job = Job.restored(record)
             job.keep = self._keep
             self._unfinished[job.id] = job
             if job.state is JobState.RUNNING:
+                logger.warning("job %s was running when its process ended", job.id)
                 job.recover()
             if job.state is JobState.QUEUED:
                 self._queue.put_back(job)

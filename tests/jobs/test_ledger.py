@@ -140,6 +140,23 @@ def test_a_running_job_has_a_heartbeat(opened: Opened) -> None:
     assert first is not None and second is not None and second > first
 
 
+def test_who_lost_a_job_can_move_it_no_more(opened: Opened) -> None:
+    running = record(state=JobState.RUNNING, attempts=1, started_s=2.0)
+    slow, quick = opened("slow"), opened("quick")
+    slow.accept(record())
+    slow.write(running)
+    with pytest.raises(RaysvcError, match="taken job job over"):
+        quick.write(record(**DONE))
+    quick.take_over()
+    beaten_s = quick.heartbeat_s("job")
+    slow.beat("job")
+    assert quick.heartbeat_s("job") == beaten_s
+    with pytest.raises(RaysvcError, match="taken job job over"):
+        slow.write(record(**DONE))
+    quick.write(record(**DONE))
+    assert quick.find("job") == record(**DONE)
+
+
 def test_many_threads_write_and_read(opened: Opened) -> None:
     ledger = opened(kept=1000)
 
