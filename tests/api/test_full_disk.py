@@ -83,14 +83,3 @@ def test_an_environment_makes_room_for_newer_ones(make_client: MakeClient) -> No
     for name in ("studio", "gradient"):
         client.post("/v1/environments", json={"builtin": name})
     assert len(client.get("/v1/environments").json()["environments"]) == 1
-
-
-def test_a_draining_service_takes_no_work_and_shows_what_there_is(client: TestClient) -> None:
-    done = client.post("/v1/renders", json=RENDER, headers={"Prefer": "wait=10"}).json()
-    client.app.state.context.service.drain()  # type: ignore[attr-defined]
-    refused = client.post("/v1/renders", json={**RENDER, "settings": {"seed": 1}})
-    assert (refused.status_code, refused.json()["retryable"]) == (503, True)
-    assert int(refused.headers["Retry-After"]) > 0
-    assert client.get(done["links"]["image"]).status_code == 200
-    # What is held needs no work.
-    assert client.post("/v1/renders", json=RENDER).json()["state"] == "done"
