@@ -30,8 +30,8 @@ from bench.crash_service import BEGUN
 
 RENDERS = 4
 """Asked for in a round."""
-LONGEST_LIFE_S = 0.8
-"""From the first answer of the service to its death, at most."""
+LONGEST_LIFE_S = {"pattern": 0.8, "scene": 8.0}
+"""From when the service says where it is to its death, at most; scenes need warm kernels first."""
 STILLBORN = 4
 """One in so many rounds, the service is also killed before it can say where it is."""
 LONGEST_BIRTH_S = 3.0
@@ -154,7 +154,7 @@ def crash_rounds(folder: Path, rounds: int, renderer: str, seed: int) -> dict[st
         seeds = list(range(number * RENDERS, (number + 1) * RENDERS))
         if number % STILLBORN == STILLBORN - 1:
             die_young(killed, renderer, chance.uniform(0.0, LONGEST_BIRTH_S))
-        live(killed, renderer, witness, seeds, chance.uniform(0.0, LONGEST_LIFE_S))
+        live(killed, renderer, witness, seeds, chance.uniform(0.0, LONGEST_LIFE_S[renderer]))
     with service(killed, renderer) as (_, address):
         found = pictures(address, witness.accepted)
         before = begun(killed)
