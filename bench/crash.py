@@ -30,8 +30,8 @@ from bench.crash_service import BEGUN
 
 RENDERS = 4
 """Asked for in a round."""
-LONGEST_LIFE_S = {"pattern": 0.8, "scene": 8.0}
-"""From when the service says where it is to its death, at most; scenes need warm kernels first."""
+LONGEST_LIFE_S = {"pattern": 0.8, "scene": 4.0}
+"""From when the service says where it is, or with scenes is ready, to its death, at most."""
 STILLBORN = 4
 """One in so many rounds, the service is also killed before it can say where it is."""
 LONGEST_BIRTH_S = 3.0
@@ -94,6 +94,8 @@ def live(folder: Path, renderer: str, witness: Witness, seeds: list[int], life_s
         service(folder, renderer) as (process, address),
         httpx.Client(base_url=address, timeout=5) as client,
     ):
+        while renderer == "scene" and not client.get("/readyz").is_success:
+            time.sleep(0.02)
         end = time.monotonic() + life_s
         waiting = [*witness.unheard, *seeds]
         witness.unheard |= set(seeds)
