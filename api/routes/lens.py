@@ -16,7 +16,7 @@ from api.routes.renders import IMAGE_RESPONSE
 from api.routes.stored import PROBLEM_RESPONSES
 from raysvc.errors import InvalidInput, InvalidSetting
 from raysvc.frame.refocus import CAMERA_FIELDS, SETTINGS_FIELDS, Refocused, linear, refocus
-from raysvc.loading.picture_file import holds_depth, read_depth, read_picture
+from raysvc.loading.picture_file import holds_depth
 from raysvc.parallel import Control
 
 router = APIRouter(prefix="/v1/lens", tags=["lens"], responses=PROBLEM_RESPONSES)
@@ -90,14 +90,14 @@ def _made(form: Form, context: Context, format: str, layer: str | None) -> tuple
         for part in ("camera", "settings")
     )
     scale = _scale(form.texts.get("depth_scale_m"))
-    limits = context.service.limits
+    parser = context.service.parser
     shown = _file(form, "picture")
     if "depth" not in form.files and not holds_depth(shown):
         raise InvalidInput("is missing, and the picture holds none", field="depth")
     deep = _file(form, "depth") if "depth" in form.files else shown
     found = refocus(
-        linear(read_picture(shown, limits)),
-        read_depth(deep, limits, scale),
+        linear(parser.picture(shown)),
+        parser.depth(deep, scale),
         camera,
         settings,
         control=Control(deadline_s=context.settings.deadline_s),

@@ -90,7 +90,7 @@ class SceneStore(ContentStore[Scene]):
         if record.rest_builtin is not None:
             return self._kind.load(BUILTIN_PREFIX + record.rest_builtin)
         named = dict(zip(record.files, files, strict=False))
-        return self._kind.load(self._kind.open(Upload(named, record.main)))
+        return self._kind.load(Upload(named, record.main))
 
 
 def _files_at_rest(record: Record) -> tuple[str, ...]:

@@ -27,6 +27,7 @@ from raysvc.jobs.store import ContentStore
 from raysvc.jobs.worker import Worker
 from raysvc.limits import DEFAULT_LIMITS, Limits
 from raysvc.parallel import Control
+from raysvc.parsing import DEFAULT_OPTIONS, Parser, ParserOptions
 from raysvc.scene import Environment, Scene
 
 MakeRenderer = Callable[[ContentStore[Scene], ContentStore[Environment], Limits], Renderer]
@@ -55,6 +56,8 @@ class ServiceOptions:
     """Finished pictures that are kept in memory."""
     comparison_memory_bytes: int = 128 << 20
     """Finished comparisons, with their heat maps, that are kept in memory."""
+    parsing: ParserOptions = DEFAULT_OPTIONS
+    """The processes that read uploads."""
     limits: Limits = DEFAULT_LIMITS
 
 
@@ -63,12 +66,13 @@ class RenderService:
 
     def __init__(self, options: ServiceOptions, make_renderer: MakeRenderer) -> None:
         self.limits = options.limits
+        self.parser = Parser(options.parsing, options.limits)
         self.scenes = SceneStore(
-            options.data_dir / "scenes", scene_kind(options.limits), options.scene_memory_bytes
+            options.data_dir / "scenes", scene_kind(self.parser), options.scene_memory_bytes
         )
         self.environments = ContentStore(
             options.data_dir / "environments",
-            environment_kind(options.limits),
+            environment_kind(self.parser),
             options.environment_memory_bytes,
         )
         self._results = Results(options.result_memory_bytes)
@@ -86,6 +90,7 @@ class RenderService:
 
     def start(self) -> None:
         """Begin to warm up and to render."""
+        self.parser.start()
         self._worker.start()
 
     @property
@@ -172,6 +177,7 @@ class RenderService:
             for job in unfinished:
                 job.cancel()
             self._worker.join(grace_s)
+        self.parser.close()
 
     def _fulfil(self, request: Request, control: Control) -> Mapping[str, Any]:
         """Make a picture or a comparison, and keep it."""

@@ -22,7 +22,6 @@ from typing import Any, Final, Generic, TypeVar
 
 from raysvc.errors import InvalidSetting, NotFound
 from raysvc.jobs.lru import LeastRecentlyUsed
-from raysvc.loading.files import Files
 from raysvc.loading.scene_file import BUILTIN_PREFIX
 from raysvc.version import VERSION
 
@@ -74,10 +73,8 @@ class Kind(Generic[Thing]):
     """What a store must know about the things in it."""
 
     name: str
-    load: Callable[[str | Files], Thing]
+    load: Callable[[str | Upload], Thing]
     """From `builtin:NAME` or files; raises InvalidInput."""
-    open: Callable[[Upload], Files]
-    """Checks names, sizes and numbers of files; raises InvalidInput."""
     summarise: Callable[[Thing], dict[str, Any]]
     weigh: Callable[[Thing], int]
     """Bytes in memory."""
@@ -101,7 +98,7 @@ class ContentStore(Generic[Thing]):
         known = self._records.get(id)
         if known is not None:
             return known, False
-        thing = self._kind.load(self._kind.open(upload))
+        thing = self._kind.load(upload)
         record = Record(
             id, time.time(), self._kind.summarise(thing), None, upload.main, tuple(upload.files)
         )
@@ -153,7 +150,7 @@ class ContentStore(Generic[Thing]):
         if record.builtin is not None:
             return self._kind.load(BUILTIN_PREFIX + record.builtin)
         files = dict(zip(record.files, self._read(record), strict=True))
-        return self._kind.load(self._kind.open(Upload(files, record.main)))
+        return self._kind.load(Upload(files, record.main))
 
     def _read(self, record: Record) -> list[bytes]:
         """Contents of a record's files."""

@@ -22,6 +22,8 @@ def make_client(tmp_path: Path) -> Iterator[MakeClient]:
 
         def make(renderer: PatternRenderer | None = None, **settings: Any) -> TestClient:
             settings = {"data_dir": tmp_path, "grace_s": 0.2, "queue_size": 2, **settings}
+            # Processes that read uploads take a second to start; tests of them ask for some.
+            settings = {"parse_processes": 0, **settings}
             app = create_app(
                 ApiSettings(**settings),
                 lambda scenes, environments, limits: renderer or PatternRenderer(),

@@ -8,11 +8,12 @@ from raysvc.errors import Gone, InvalidSetting, NotFinished, NotFound, QueueFull
 from raysvc.frame.settings import Settings
 from raysvc.frame.view import View
 from raysvc.jobs import JobState, PatternRenderer, RenderRequest, RenderService, ServiceOptions
+from raysvc.parsing import ParserOptions
 
 
 def service_in(folder: Path, renderer: PatternRenderer, **options: int) -> RenderService:
     return RenderService(
-        ServiceOptions(folder, **options),  # type: ignore[arg-type]
+        ServiceOptions(folder, parsing=ParserOptions(processes=0), **options),  # type: ignore[arg-type]
         lambda scenes, environments, limits: renderer,
     )
 

@@ -1,0 +1,197 @@
+"""Reading uploads in processes of their own."""
+
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, Final, TypeVar
+
+from raysvc.errors import (
+    InvalidEnvironment,
+    InvalidInput,
+    InvalidScene,
+    LimitExceeded,
+    RaysvcError,
+)
+from raysvc.limits import DEFAULT_LIMITS, Limits
+from raysvc.loading.picture_file import StoredPicture, read_depth, read_picture
+from raysvc.parsing.message import BadMessage, Message
+from raysvc.parsing.options import DEFAULT_OPTIONS, ParserOptions
+from raysvc.parsing.parser_process import NeverStarted, ParserProcess, ProcessDied, TookTooLong
+from raysvc.parsing.scene_message import (
+    depth_from,
+    environment_from,
+    picture_from,
+    scene_from,
+)
+from raysvc.parsing.tasks import ERRORS, OUT_OF_MEMORY, question, read_environment, read_scene
+from raysvc.scene import Environment, Scene
+from raysvc.types import Floats
+
+Heard = TypeVar("Heard")
+
+ATTEMPTS: Final = 3
+"""How often a process is started anew that ended before it was asked anything."""
+
+
+class Parser:
+    """A few processes that read files, each one at a time. Safe to use from many threads.
+
+    Whatever a file does to its reader (crash it, fill its memory, keep it busy) becomes an error
+    that is the caller's, and the next file has a new reader. Processes start when they are first
+    needed, or with `start`; `close` ends them.
+    """
+
+    def __init__(
+        self, options: ParserOptions = DEFAULT_OPTIONS, limits: Limits = DEFAULT_LIMITS
+    ) -> None:
+        self._options = options
+        self._limits = limits
+        self._idle: list[ParserProcess] = []
+        self._started = 0
+        self._closed = False
+        self._changed = threading.Condition()
+
+    def start(self) -> None:
+        """Start all processes, so that the first upload need not wait for them."""
+        with self._changed:
+            while not self._closed and self._started < self._options.processes:
+                self._idle.append(ParserProcess(self._options, self._limits))
+                self._started += 1
+
+    def close(self) -> None:
+        """End the processes that are idle now, and the others when they have done."""
+        with self._changed:
+            self._closed = True
+            idle, self._idle = self._idle, []
+            self._changed.notify_all()
+        for process in idle:
+            process.close()
+
+    def scene(self, files: Mapping[str, bytes], main: str | None = None) -> Scene:
+        """Read a scene: one file, several with side files, or a .zip of them.
+
+        Raises InvalidScene, Unsupported, LimitExceeded.
+        """
+        if not self._options.processes:
+            return read_scene(files, main, self._limits)
+        return self._read(
+            question("scene", files, main=main), scene_from, InvalidScene, _shown(files, main)
+        )
+
+    def environment(self, files: Mapping[str, bytes]) -> Environment:
+        """Read an environment: one file. Raises InvalidEnvironment, Unsupported, LimitExceeded."""
+        if not self._options.processes:
+            return read_environment(files, self._limits)
+        return self._read(
+            question("environment", files),
+            environment_from,
+            InvalidEnvironment,
+            _shown(files, None),
+        )
+
+    def picture(self, data: bytes, field: str = "picture") -> StoredPicture:
+        """Read a picture. Raises InvalidInput, LimitExceeded."""
+        if not self._options.processes:
+            return read_picture(data, self._limits, field)
+        return self._read(question("picture", {field: data}), picture_from, InvalidInput, field)
+
+    def depth(self, data: bytes, depth_scale_m: float | None, field: str = "depth") -> Floats:
+        """Read a picture's depth, (H, W) float32 metres. Raises InvalidInput, LimitExceeded."""
+        if not self._options.processes:
+            return read_depth(data, self._limits, depth_scale_m, field)
+        asked = question("depth", {field: data}, depth_scale_m=depth_scale_m)
+        return self._read(asked, depth_from, InvalidInput, field)
+
+    def _read(
+        self,
+        asked: Message,
+        hear: Callable[[Message], Heard],
+        fault: type[InvalidInput],
+        field: str,
+    ) -> Heard:
+        """Ask a process, and check what it says; `fault` is what a file is that breaks it."""
+        options = self._options
+        try:
+            said = self._ask(asked)
+            _raise_error(said, options)
+            return hear(said)
+        except TookTooLong:
+            raise LimitExceeded(
+                f"takes longer to read than {options.seconds:g} seconds (RAYSVC_PARSE_S), or "
+                f"{options.cpu_seconds:g} of a processor (RAYSVC_PARSE_CPU_S)",
+                field,
+            ) from None
+        except ProcessDied as death:
+            raise fault(f"breaks what reads it ({death})", field) from None
+        except BadMessage as error:
+            raise fault(f"breaks what reads it (its answer {error})", field) from None
+
+    def _ask(self, asked: Message) -> Message:
+        for _ in range(ATTEMPTS):
+            try:
+                with self._process() as process:
+                    return process.ask(asked)
+            except NeverStarted as death:
+                how = str(death)
+        raise RaysvcError(f"the process that reads files does not start ({how})")
+
+    @contextmanager
+    def _process(self) -> Iterator[ParserProcess]:
+        """Take a process for a while; one that broke, or is spent, is replaced."""
+        process = self._take()
+        broken = True
+        try:
+            yield process
+            broken = process.is_spent
+        finally:
+            self._give_back(process, broken)
+
+    def _take(self) -> ParserProcess:
+        self.start()
+        with self._changed:
+            while not self._idle:
+                if self._closed:
+                    raise RaysvcError("the service is shutting down")
+                self._changed.wait()
+            ready = next((process for process in self._idle if process.is_ready), self._idle[0])
+            self._idle.remove(ready)
+            return ready
+
+    def _give_back(self, process: ParserProcess, broken: bool) -> None:
+        if broken or self._closed:
+            process.close()
+            process = ParserProcess(self._options, self._limits)
+        with self._changed:
+            if not self._closed:
+                self._idle.append(process)
+                self._changed.notify()
+                return
+        process.close()
+
+
+def _raise_error(said: Message, options: ParserOptions) -> None:
+    """Raise the error that an answer tells of, if it does."""
+    if "error" not in said.fields:
+        return
+    error: Any = said.fields["error"]
+    if not isinstance(error, dict):
+        raise BadMessage("has an error without a name")
+    kind, message, field = (error.get(key) for key in ("kind", "message", "field"))
+    if field is not None and not isinstance(field, str):
+        raise BadMessage("has an error about nothing")
+    if kind == OUT_OF_MEMORY:
+        raise LimitExceeded(
+            f"needs more memory to be read than {options.memory_bytes >> 20:,} MiB "
+            "(RAYSVC_PARSE_MEMORY_BYTES)",
+            field or "file",
+        )
+    if not isinstance(kind, str) or kind not in ERRORS or not isinstance(message, str):
+        raise BadMessage("has an unknown error")
+    raise ERRORS[kind](message[:1000], field)
+
+
+def _shown(files: Mapping[str, bytes], main: str | None) -> str:
+    """What an error names where nothing is known of the inside of files."""
+    if main is not None:
+        return main[:120]
+    return next(iter(files))[:120] if len(files) == 1 else "file"
