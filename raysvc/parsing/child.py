@@ -1,4 +1,4 @@
-"""The process that reads files: `python -m raysvc.parsing.child FILE OPTIONS LIMITS`.
+"""The process that reads files, started by `ParserProcess` as `main` with FILE OPTIONS LIMITS.
 
 FILE is the descriptor of an open file through which messages go both ways; OPTIONS and LIMITS are
 JSON. It says READY on standard output once it has given up its rights, and DONE when the question
@@ -49,14 +49,11 @@ def _exchange(file: int, limits: Limits) -> None:
         write_message(file, error(OUT_OF_MEMORY, "", None))
 
 
-if __name__ == "__main__":
-    number, options_text, limits_text = sys.argv[1:]
+def main() -> None:
+    """Do as the command line says."""
+    file, options, limits = sys.argv[1:]
     try:
-        serve(
-            int(number),
-            ParserOptions(**json.loads(options_text)),
-            Limits(**json.loads(limits_text)),
-        )
+        serve(int(file), ParserOptions(**json.loads(options)), Limits(**json.loads(limits)))
     finally:
         # Whoever started this removes the folder too, unless it was killed itself.
         shutil.rmtree(tempfile.gettempdir(), ignore_errors=True)

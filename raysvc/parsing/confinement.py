@@ -16,8 +16,6 @@ from typing import Final
 if sys.platform != "win32":
     import resource
 
-NICENESS: Final = 2
-"""Answering requests comes first."""
 OPEN_FILES: Final = 64
 
 _NO_NEW_PRIVILEGES, _SET_SECCOMP, _FILTER = 38, 22, 2  # linux/prctl.h, linux/seccomp.h
@@ -74,7 +72,6 @@ def confine(memory_bytes: int, file_bytes: int) -> bool:
     """
     if sys.platform == "win32":
         return False
-    os.nice(NICENESS)
     in_use = _address_space_bytes()
     for limit, value in (
         (resource.RLIMIT_CORE, 0),

@@ -153,9 +153,11 @@ class Parser:
                 if self._closed:
                     raise RaysvcError("the service is shutting down")
                 self._changed.wait()
-            ready = next((process for process in self._idle if process.is_ready), self._idle[0])
-            self._idle.remove(ready)
-            return ready
+            # The one that was in use last, so that they are not all spent at the same time.
+            last_first = reversed(self._idle)
+            chosen = next((one for one in last_first if one.is_ready), self._idle[0])
+            self._idle.remove(chosen)
+            return chosen
 
     def _give_back(self, process: ParserProcess, broken: bool) -> None:
         if broken or self._closed:
@@ -163,7 +165,7 @@ class Parser:
             process = ParserProcess(self._options, self._limits)
         with self._changed:
             if not self._closed:
-                self._idle.append(process)
+                self._idle.insert(0 if broken else len(self._idle), process)
                 self._changed.notify()
                 return
         process.close()

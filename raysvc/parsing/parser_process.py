@@ -28,6 +28,9 @@ GROWTH_BYTES: Final = 128 << 20
 
 _OUT_OF_TIME: Final = ("SIGXCPU",)
 _CHILD: Final = "raysvc.parsing.child"
+NICENESS: Final = 3
+"""Answering requests comes first, also while a process starts."""
+_START: Final = f"import os; os.nice({NICENESS}); from {_CHILD} import main; main()"
 _SOURCES: Final = Path(__file__).parents[2]
 _ONE_THREAD: Final = dict.fromkeys(
     ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1"
@@ -57,7 +60,7 @@ class ParserProcess:
         paths = (str(_SOURCES), os.environ.get("PYTHONPATH", ""))
         self._process = subprocess.Popen(
             [
-                *(sys.executable, "-P", "-m", _CHILD, str(self._file)),
+                *(sys.executable, "-P", "-c", _START, str(self._file)),
                 json.dumps(dataclasses.asdict(options)),
                 json.dumps(dataclasses.asdict(limits)),
             ],

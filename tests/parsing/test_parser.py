@@ -187,10 +187,10 @@ def test_many_threads_share_a_few_readers() -> None:
 
 
 def test_a_reader_that_never_starts_is_our_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(process_module, "_CHILD", "raysvc.parsing.no_such_module")
+    monkeypatch.setattr(process_module, "_START", "raise SystemExit(3)")
     parser = strict()
     try:
-        with pytest.raises(RaysvcError, match="does not start") as failed:
+        with pytest.raises(RaysvcError, match=r"does not start \(exit code 3\)") as failed:
             parser.scene({"a.obj": OBJ})
         assert not isinstance(failed.value, InvalidInput)
     finally:
