@@ -2,7 +2,8 @@
 
     Parser            a few such processes; hands in files, hands out checked data
       ParserProcess   one of them, as the service sees it: ask, wait, kill
-        child         what runs in it: waits for a question, answers, waits
+      Launcher        a process that imports everything and forks them: `launching` runs in it
+        child         what runs in them: waits for a question, answers, waits
           confinement what it may not do: much memory, much time, network, other programs
           tasks       what it can be asked, by `raysvc.loading`
       message         questions and answers as bytes: JSON and raw arrays, nothing that runs

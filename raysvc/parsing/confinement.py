@@ -41,6 +41,8 @@ DENIED: Final = {
     "kill": (62, 129),
     "tkill": (200, 130),
     "tgkill": (234, 131),
+    "setsid": (112, 157),
+    "setpgid": (109, 154),
     "pidfd_open": (434, 434),
     "pidfd_getfd": (438, 438),
     "process_vm_readv": (310, 270),

@@ -17,7 +17,7 @@ class ParserOptions:
     memory_bytes: int = 2 << 30
     """Address space for one upload, over what a process has when it has started; also the largest
     file that it may write, and the largest answer."""
-    uploads: int = 32
+    uploads: int = 16
     """A process ends after so many; with 1 no upload shares one with another."""
 
 

@@ -1,5 +1,6 @@
 """Reading uploads in processes of their own."""
 
+import logging
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -14,6 +15,7 @@ from raysvc.errors import (
 )
 from raysvc.limits import DEFAULT_LIMITS, Limits
 from raysvc.loading.picture_file import StoredPicture, read_depth, read_picture
+from raysvc.parsing.launcher import Launcher, LauncherDied
 from raysvc.parsing.message import BadMessage, Message
 from raysvc.parsing.options import DEFAULT_OPTIONS, ParserOptions
 from raysvc.parsing.parser_process import NeverStarted, ParserProcess, ProcessDied, TookTooLong
@@ -26,6 +28,8 @@ from raysvc.parsing.scene_message import (
 from raysvc.parsing.tasks import ERRORS, OUT_OF_MEMORY, question, read_environment, read_scene
 from raysvc.scene import Environment, Scene
 from raysvc.types import Floats
+
+logger = logging.getLogger(__name__)
 
 Heard = TypeVar("Heard")
 
@@ -46,17 +50,19 @@ class Parser:
     ) -> None:
         self._options = options
         self._limits = limits
+        self._launcher: Launcher | None = None
         self._idle: list[ParserProcess] = []
-        self._started = 0
+        self._count = 0
+        """Of all processes, also those that read now."""
         self._closed = False
         self._changed = threading.Condition()
 
     def start(self) -> None:
-        """Start all processes, so that the first upload need not wait for them."""
-        with self._changed:
-            while not self._closed and self._started < self._options.processes:
-                self._idle.append(ParserProcess(self._options, self._limits))
-                self._started += 1
+        """Start all processes, in the background, so that the first upload need not wait."""
+        if self._options.processes:
+            with self._changed:
+                self._launcher = self._launcher or Launcher(self._options, self._limits)
+            threading.Thread(target=self._fill, name="raysvc-parser", daemon=True).start()
 
     def close(self) -> None:
         """End the processes that are idle now, and the others when they have done."""
@@ -65,7 +71,10 @@ class Parser:
             idle, self._idle = self._idle, []
             self._changed.notify_all()
         for process in idle:
-            process.close()
+            self._end(process)
+        with self._changed:
+            if not self._count:
+                self._close_launcher()
 
     def scene(self, files: Mapping[str, bytes], main: str | None = None) -> Scene:
         """Read a scene: one file, several with side files, or a .zip of them.
@@ -144,31 +153,82 @@ class Parser:
             yield process
             broken = process.is_spent
         finally:
-            self._give_back(process, broken)
+            if broken or self._closed:
+                self._end(process)
+                self._fill()
+            else:
+                self._give_back(process)
 
     def _take(self) -> ParserProcess:
-        self.start()
         with self._changed:
             while not self._idle:
                 if self._closed:
                     raise RaysvcError("the service is shutting down")
+                if self._count < self._options.processes:
+                    self._count += 1
+                    break
                 self._changed.wait()
-            # The one that was in use last, so that they are not all spent at the same time.
-            last_first = reversed(self._idle)
-            chosen = next((one for one in last_first if one.is_ready), self._idle[0])
-            self._idle.remove(chosen)
-            return chosen
+            else:
+                # The one that was in use last, so that they are not all spent at the same time.
+                last_first = reversed(self._idle)
+                chosen = next((one for one in last_first if one.is_ready), self._idle[0])
+                self._idle.remove(chosen)
+                return chosen
+        return self._launched()
 
-    def _give_back(self, process: ParserProcess, broken: bool) -> None:
-        if broken or self._closed:
-            process.close()
-            process = ParserProcess(self._options, self._limits)
+    def _give_back(self, process: ParserProcess, last: bool = True) -> None:
+        """Let others use a process, or end it once there are no others."""
         with self._changed:
             if not self._closed:
-                self._idle.insert(0 if broken else len(self._idle), process)
+                self._idle.insert(len(self._idle) if last else 0, process)
                 self._changed.notify()
                 return
+        self._end(process)
+
+    def _fill(self) -> None:
+        """Launch what is missing."""
+        while True:
+            with self._changed:
+                if self._closed or self._count >= self._options.processes:
+                    return
+                self._count += 1
+            try:
+                process = self._launched()
+            except RaysvcError as error:
+                logger.error("%s", error.message)  # whoever needs one tries again, and hears it
+                return
+            self._give_back(process, last=False)
+
+    def _launched(self) -> ParserProcess:
+        """Launch a process that has been counted already; forgets it if that fails."""
+        how = ""
+        for _ in range(ATTEMPTS):
+            with self._changed:
+                launcher = self._launcher = self._launcher or Launcher(self._options, self._limits)
+            try:
+                return ParserProcess(launcher, self._options)
+            except LauncherDied as death:
+                how = str(death)
+            with self._changed:
+                if self._launcher is launcher:
+                    self._close_launcher()
+        with self._changed:
+            self._count -= 1
+            self._changed.notify()
+        raise RaysvcError(f"the process that starts readers of files does not start ({how})")
+
+    def _end(self, process: ParserProcess) -> None:
         process.close()
+        with self._changed:
+            self._count -= 1
+            self._changed.notify()
+            if self._closed and not self._count:
+                self._close_launcher()
+
+    def _close_launcher(self) -> None:
+        if self._launcher is not None:
+            self._launcher.close()
+            self._launcher = None
 
 
 def _raise_error(said: Message, options: ParserOptions) -> None:

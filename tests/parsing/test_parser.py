@@ -3,6 +3,8 @@ their reader."""
 
 import os
 import signal
+import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -16,8 +18,8 @@ import pytest
 from raysvc.errors import InvalidInput, InvalidScene, LimitExceeded, RaysvcError
 from raysvc.limits import Limits
 from raysvc.parsing import Parser, ParserOptions
+from raysvc.parsing import launcher as launcher_module
 from raysvc.parsing import parser_process as process_module
-from raysvc.parsing.parser_process import ParserProcess
 from raysvc.parsing.tasks import read_environment, read_scene
 from tests.api.glb import glb
 
@@ -186,13 +188,27 @@ def test_many_threads_share_a_few_readers() -> None:
         parser.close()
 
 
-def test_a_reader_that_never_starts_is_our_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(process_module, "_START", "raise SystemExit(3)")
+def test_a_launcher_that_never_starts_is_our_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(launcher_module, "_START", "raise SystemExit(3)")
     parser = strict()
     try:
         with pytest.raises(RaysvcError, match=r"does not start \(exit code 3\)") as failed:
             parser.scene({"a.obj": OBJ})
         assert not isinstance(failed.value, InvalidInput)
+    finally:
+        parser.close()
+
+
+def test_a_launcher_that_died_is_replaced_unnoticed() -> None:
+    parser = strict(uploads=1)
+    try:
+        parser.scene({"a.obj": OBJ})
+        assert parser._launcher is not None
+        victim = parser._launcher.id
+        os.kill(victim, signal.SIGKILL)
+        for _ in range(3):
+            assert len(parser.scene({"a.obj": OBJ}).triangles) == 1
+        assert parser._launcher.id != victim
     finally:
         parser.close()
 
@@ -204,22 +220,44 @@ def test_nothing_is_left_behind(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     with pytest.raises(LimitExceeded):
         parser.scene({"slow.ply": slow_ply(200_000)})
     parser.environment({"sky.hdr": hdr(8, 4)})
-    (last,) = ids(parser)
+    assert parser._launcher is not None
+    started = [*ids(parser), parser._launcher.id]
     parser.close()
     assert os.listdir(tmp_path) == []
     assert len(os.listdir("/proc/self/fd")) == before
-    with pytest.raises(ProcessLookupError):
-        os.kill(last, 0)
+    for process in started:
+        with pytest.raises(ProcessLookupError):
+            os.kill(process, 0)
 
 
-def test_a_reader_ends_with_the_service() -> None:
-    process = ParserProcess(ParserOptions(), Limits())
-    process.wait_until_ready()
-    process._stdin.close()
-    assert process._process.wait(10) == 0
-    assert not os.path.exists(process._folder)
-    process._stdin = open(os.devnull, "wb")
-    process.close()
+def test_all_ends_with_the_service(tmp_path: Path) -> None:
+    code = f"""
+import os, tempfile, time
+tempfile.tempdir = {str(tmp_path)!r}
+from raysvc.parsing import Parser, ParserOptions
+parser = Parser(ParserOptions(processes=1))
+parser.scene({{"a.obj": {OBJ!r}}})
+print(parser._launcher.id, parser._idle[0].id, flush=True)
+time.sleep(60)
+"""
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as service:
+        assert service.stdout is not None
+        left = [int(id) for id in service.stdout.readline().split()]
+        assert len(left) == 2
+        service.kill()
+    end = time.monotonic() + 10
+    while any(is_running(id) for id in left) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert not any(is_running(id) for id in left)
+    assert os.listdir(tmp_path) == []
+
+
+def is_running(id: int) -> bool:
+    """Is there such a process, and is it more than a remainder that nobody asks for?"""
+    try:
+        return ") Z " not in Path(f"/proc/{id}/stat").read_text()
+    except FileNotFoundError:
+        return False
 
 
 def test_after_its_end_nothing_is_read() -> None:
