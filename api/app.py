@@ -9,11 +9,9 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from starlette.staticfiles import StaticFiles
 
-from api import problems
+from api import openapi_schema, problems
 from api.body_limit import BodyLimit
-from api.comparison_schemas import ComparisonBody
 from api.context import Context
-from api.filter_schemas import FilteredBody
 from api.routes import (
     comparisons,
     environments,
@@ -27,7 +25,6 @@ from api.routes import (
     scenes,
     structures,
 )
-from api.schemas import RenderBody
 from api.settings import ApiSettings, settings_from_environment
 from raysvc.jobs import MakeRenderer, RenderService, SceneRenderer
 from raysvc.version import VERSION
@@ -84,14 +81,11 @@ def create_app(
 
 
 def _openapi(app: FastAPI) -> dict[str, Any]:
-    """The schema, with the bodies that the routes read themselves."""
+    """The schema, with what the routes' signatures do not say."""
     if app.openapi_schema is None:
         schema = get_openapi(
             title=app.title, version=app.version, summary=app.summary, routes=app.routes
         )
-        for model in (RenderBody, ComparisonBody, FilteredBody):
-            body = model.model_json_schema(ref_template="#/components/schemas/{model}")
-            parts = body.pop("$defs", {})
-            schema["components"]["schemas"] |= {model.__name__: body, **parts}
+        openapi_schema.complete(schema)
         app.openapi_schema = schema
     return app.openapi_schema

@@ -85,7 +85,7 @@ PROBLEMS: Final[Mapping[type[errors.RaysvcError], Problem]] = MappingProxyType(
         errors.QueueFull: Problem(HTTPStatus.TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
         errors.Cancelled: Problem(HTTPStatus.CONFLICT, "cancelled", "The job was cancelled"),
         errors.DeadlineExceeded: Problem(
-            HTTPStatus.SERVICE_UNAVAILABLE, "deadline-exceeded", "The job took too long"
+            HTTPStatus.UNPROCESSABLE_ENTITY, "deadline-exceeded", "The job took too long"
         ),
         errors.RaysvcError: Problem(
             HTTPStatus.INTERNAL_SERVER_ERROR, "internal", "Something went wrong in the service"

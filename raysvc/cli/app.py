@@ -14,6 +14,7 @@ from raysvc.cli.inspect import inspect
 from raysvc.cli.lens import lens
 from raysvc.cli.render import render
 from raysvc.cli.serve import serve
+from raysvc.cli.settings import settings
 from raysvc.cli.warmup import warmup
 from raysvc.errors import InvalidInput, NotFound, RaysvcError, Unavailable
 from raysvc.version import VERSION
@@ -28,7 +29,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (serve, render, lens, compare, inspect, warmup, demo):
+for command in (serve, settings, render, lens, compare, inspect, warmup, demo):
     app.command()(command)
 app.command("filter")(filter_environment)
 app.add_typer(bench)

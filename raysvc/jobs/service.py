@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from raysvc.compare.result import Comparison
 from raysvc.compare.settings import candidates, check_size
 from raysvc.errors import Gone, NotFinished, NotFound
+from raysvc.frame.cost import check_estimate
 from raysvc.frame.probe import check_probe
 from raysvc.frame.settings import check_cost
 from raysvc.frame.view import camera_from
@@ -106,7 +107,9 @@ class RenderService:
         Raises InvalidInput, NotFound, QueueFull.
         """
         scene = self.scenes.get(request.scene)
-        check_cost(request.settings, camera_from(request.camera, scene, self.limits), self.limits)
+        camera = camera_from(request.camera, scene, self.limits)
+        check_cost(request.settings, camera, self.limits)
+        check_estimate(request.settings, camera, scene, self.limits)
         if request.probe is not None:
             check_probe(request.probe, request.settings, scene)
         if request.environment is not None:
