@@ -7,7 +7,9 @@ import pytest
 import typer
 
 from api.app import create_app
+from api.described_settings import described, shown
 from api.filter_schemas import FilteredBody
+from api.limit_settings import LimitSettings
 from api.problems import PROBLEMS
 from api.settings import ApiSettings
 from raysvc.cli.app import app as command_line
@@ -17,6 +19,7 @@ from raysvc.frame.view import View
 
 DOCS = Path(__file__).parents[2] / "docs"
 HTTP = (DOCS / "http.md").read_text(encoding="utf-8")
+LIMITS = (DOCS / "limits.md").read_text(encoding="utf-8")
 COMMAND_LINE = (DOCS / "command_line.md").read_text(encoding="utf-8")
 
 
@@ -31,9 +34,31 @@ def test_every_field_of_a_filtering_is_documented(name: str) -> None:
     assert f"| `{name}` |" in section
 
 
-@pytest.mark.parametrize("name", ApiSettings.model_fields)
+@pytest.mark.parametrize("name", ApiSettings.model_fields.keys() - LimitSettings.model_fields)
 def test_every_environment_variable_is_documented(name: str) -> None:
     assert f"| `RAYSVC_{name.upper()}` |" in HTTP
+
+
+def test_the_table_of_limits_is_what_the_settings_say(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in LimitSettings.model_fields:
+        monkeypatch.delenv(f"RAYSVC_{name.upper()}", raising=False)
+    rows = [
+        f"| `{setting.name}` | {shown(setting.name, setting.default)} | {setting.meaning} |"
+        for setting in described(LimitSettings())
+    ]
+    assert [line for line in LIMITS.splitlines() if line.startswith("| `RAYSVC_")] == rows
+
+
+def test_everything_that_can_be_sent_has_an_example(tmp_path: Path) -> None:
+    schema = create_app(ApiSettings(data_dir=tmp_path)).openapi()
+    for path, methods in schema["paths"].items():
+        for method, operation in methods.items():
+            for parameter in operation.get("parameters", []):
+                enumerated = "enum" in parameter["schema"]
+                assert "example" in parameter or enumerated, (method, path, parameter["name"])
+            for media_type, body in operation.get("requestBody", {}).get("content", {}).items():
+                binary = body["schema"].get("format") == "binary"
+                assert "example" in body or binary, (method, path, media_type)
 
 
 def test_every_route_is_documented(tmp_path: Path) -> None:
