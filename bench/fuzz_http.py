@@ -37,6 +37,8 @@ SETTINGS = {
 }
 """So that no request takes long."""
 READY_S = 300.0
+MOST_FAILURES = 5
+"""Of the service's own that are shown."""
 
 
 def main() -> int:
@@ -100,9 +102,10 @@ def service(folder: Path, **settings: str) -> Iterator[str]:
         finally:
             process.terminate()
             process.wait(60)
-            problems = [line for line in said.read_text().splitlines() if "Traceback" in line]
-            if problems:
-                print(said.read_text()[-10_000:])  # noqa: T201
+            failures = re.findall(
+                r"^Traceback .*?^\w[\w.]*: .*?$", said.read_text(), re.MULTILINE | re.DOTALL
+            )
+            print(*failures[:MOST_FAILURES], sep="\n")  # noqa: T201
 
 
 def _ready(said: Path) -> str:
