@@ -15,6 +15,7 @@ from raysvc.errors import (
 )
 from raysvc.limits import DEFAULT_LIMITS, Limits
 from raysvc.loading.picture_file import StoredPicture, read_depth, read_picture
+from raysvc.loading.shape_file import NPY_MAGIC, ZIP_MAGIC, Shape, read_shape
 from raysvc.parsing.launcher import Launcher, LauncherDied
 from raysvc.parsing.message import BadMessage, Message
 from raysvc.parsing.options import DEFAULT_OPTIONS, ParserOptions
@@ -24,6 +25,7 @@ from raysvc.parsing.scene_message import (
     environment_from,
     picture_from,
     scene_from,
+    shape_from,
 )
 from raysvc.parsing.tasks import ERRORS, OUT_OF_MEMORY, question, read_environment, read_scene
 from raysvc.scene import Environment, Scene
@@ -86,6 +88,16 @@ class Parser:
         return self._read(
             question("scene", files, main=main), scene_from, InvalidScene, _shown(files, main)
         )
+
+    def shape(self, data: bytes | bytearray, vertices: int) -> Shape:
+        """Read where the vertices of a scene are: .npy, .npz, or bare float32.
+
+        Bare numbers need no reading, and are taken as they are. Raises InvalidScene, LimitExceeded.
+        """
+        if not self._options.processes or not data.startswith((NPY_MAGIC, ZIP_MAGIC)):
+            return read_shape(data, vertices)
+        asked = question("shape", {"positions": data}, vertices=vertices)
+        return self._read(asked, lambda said: shape_from(said, vertices), InvalidScene, "positions")
 
     def environment(self, files: Mapping[str, bytes]) -> Environment:
         """Read an environment: one file. Raises InvalidEnvironment, Unsupported, LimitExceeded."""

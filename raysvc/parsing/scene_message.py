@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from raysvc.loading.picture_file import StoredPicture
+from raysvc.loading.shape_file import Shape
 from raysvc.parsing.message import BadMessage, Message
 from raysvc.scene import Environment, Material, PunctualLight, Scene, SceneCamera, Texture
 from raysvc.scene.texture import Wrap
@@ -121,6 +122,29 @@ def scene_from(message: Message) -> Scene:
         name=said.name,
         warnings=said.warnings,
     )
+
+
+def shape_message(shape: Shape) -> Message:
+    """Say where vertices are; whole numbers, which a message has not, as float64."""
+    arrays = (shape.positions, shape.normals)
+    return Message(
+        {},
+        [
+            array if array.dtype in (np.float32, np.float64) else array.astype(np.float64)
+            for array in arrays
+            if array is not None
+        ],
+    )
+
+
+def shape_from(message: Message, vertices: int) -> Shape:
+    """Hear where so many vertices are. Raises BadMessage."""
+    if len(message.arrays) not in (1, 2):
+        raise BadMessage("has no positions")
+    for array in message.arrays:
+        if array.shape != (vertices, 3) or array.dtype not in (np.float32, np.float64):
+            raise BadMessage("has positions of another shape")
+    return Shape(*message.arrays)
 
 
 def environment_message(environment: Environment) -> Message:

@@ -15,12 +15,14 @@ from raysvc.limits import Limits
 from raysvc.loading import load_environment, load_scene
 from raysvc.loading.files import ARCHIVE_SUFFIX, Files
 from raysvc.loading.picture_file import read_depth, read_picture
+from raysvc.loading.shape_file import read_shape
 from raysvc.parsing.message import Message
 from raysvc.parsing.scene_message import (
     depth_message,
     environment_message,
     picture_message,
     scene_message,
+    shape_message,
 )
 from raysvc.scene import Environment, Scene
 
@@ -89,8 +91,19 @@ def _depth(question: Message, limits: Limits) -> Message:
     return depth_message(read_depth(data, limits, question.fields["depth_scale_m"], field))
 
 
+def _shape(question: Message, limits: Limits) -> Message:
+    (data,) = _files(question).values()
+    return shape_message(read_shape(data, question.fields["vertices"]))
+
+
 TASKS: Final[Mapping[str, Callable[[Message, Limits], Message]]] = MappingProxyType(
-    {"scene": _scene, "environment": _environment, "picture": _picture, "depth": _depth}
+    {
+        "scene": _scene,
+        "shape": _shape,
+        "environment": _environment,
+        "picture": _picture,
+        "depth": _depth,
+    }
 )
 
 

@@ -1,6 +1,7 @@
 """Files read by other processes: the same scenes and errors as in this one, whatever they do to
 their reader."""
 
+import io
 import os
 import signal
 import subprocess
@@ -17,6 +18,8 @@ import pytest
 
 from raysvc.errors import InvalidInput, InvalidScene, LimitExceeded, RaysvcError
 from raysvc.limits import Limits
+from raysvc.loading.picture_file import read_depth, read_picture
+from raysvc.loading.shape_file import read_shape
 from raysvc.parsing import Parser, ParserOptions
 from raysvc.parsing import launcher as launcher_module
 from raysvc.parsing import parser_process as process_module
@@ -98,6 +101,31 @@ def test_an_error_is_the_same_as_when_it_is_found_here(
     assert (there.value.message, there.value.field) == (here.value.message, here.value.field)
 
 
+def test_a_picture_its_depth_and_a_shape_are_the_same_as_when_they_are_read_here(
+    parser: Parser,
+) -> None:
+    file = io.BytesIO()
+    rgba = np.arange(24, dtype=np.float32).reshape(2, 3, 4)
+    np.savez(file, beauty=rgba, depth=1 + rgba[..., 0])
+    picture, depth = file.getvalue(), parser.depth(file.getvalue(), None)
+    assert np.array_equal(parser.picture(picture).rgba, read_picture(picture).rgba)
+    assert np.array_equal(depth, read_depth(picture))
+    for dtype in (np.float32, np.float64, np.int16):
+        file = io.BytesIO()
+        np.savez(file, positions=np.arange(6, dtype=dtype).reshape(2, 3), normals=np.ones((2, 3)))
+        here, there = read_shape(file.getvalue(), 2), parser.shape(file.getvalue(), 2)
+        assert np.array_equal(here.positions, there.positions)
+        assert here.normals is not None and there.normals is not None
+        assert np.array_equal(here.normals, there.normals)
+    with pytest.raises(InvalidInput, match="is missing from the archive"):
+        file = io.BytesIO()
+        np.savez(file, normals=np.ones((2, 3)))
+        parser.shape(file.getvalue(), 2)
+    with pytest.raises(InvalidInput) as refused:
+        parser.picture(b"GIF89a")
+    assert refused.value.field == "picture"
+
+
 def test_a_file_that_takes_too_long_is_refused_and_the_next_is_read() -> None:
     parser = strict(seconds=0.4)
     try:
@@ -133,10 +161,10 @@ def test_a_file_that_kills_its_reader_is_refused_and_the_next_is_read() -> None:
     try:
         parser.scene({"a.obj": OBJ})
         (victim,) = ids(parser)
-        timer = threading.Timer(0.3, os.kill, (victim, signal.SIGSEGV))
-        timer.start()
+        slow = slow_ply(300_000)
+        threading.Timer(0.5, os.kill, (victim, signal.SIGSEGV)).start()
         with pytest.raises(InvalidScene, match=r"breaks what reads it \(SIGSEGV\)"):
-            parser.scene({"slow.ply": slow_ply(300_000)})
+            parser.scene({"slow.ply": slow})
         assert len(parser.scene({"a.obj": OBJ}).triangles) == 1
         assert ids(parser) != [victim]
     finally:

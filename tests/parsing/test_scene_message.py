@@ -10,6 +10,7 @@ import pytest
 
 from raysvc.errors import InvalidEnvironment, InvalidScene
 from raysvc.loading.picture_file import StoredPicture
+from raysvc.loading.shape_file import Shape
 from raysvc.parsing.message import BadMessage, Message
 from raysvc.parsing.scene_message import (
     SCENE_ARRAYS,
@@ -21,6 +22,8 @@ from raysvc.parsing.scene_message import (
     picture_message,
     scene_from,
     scene_message,
+    shape_from,
+    shape_message,
 )
 from raysvc.scene import Environment, Scene
 from tests.parsing.scenes import crowded_scene
@@ -150,3 +153,11 @@ def test_a_picture_and_its_depth_arrive_as_they_were_or_not_at_all() -> None:
             depth_from(Message({}, [wrong]))
     with pytest.raises(BadMessage):
         picture_from(Message({}, [rgba]))
+
+
+def test_positions_of_another_scene_are_refused() -> None:
+    positions = np.zeros((4, 3), np.float32)
+    assert shape_from(sent(shape_message(Shape(positions))), 4).normals is None
+    for arrays in ([], [positions] * 3, [positions[:3]], [positions.astype(np.int32)]):
+        with pytest.raises(BadMessage):
+            shape_from(Message({}, arrays), 4)
