@@ -1,11 +1,13 @@
 """What the OpenAPI document says beyond what the routes' signatures do: bodies that routes read
-themselves, problems, and an example of everything that can be sent."""
+themselves, problems, and examples of all that is sent and
+answered."""
 
 from collections.abc import Iterator
 from typing import Any, Final
 
 from pydantic import BaseModel
 
+from api.answer_examples import ANSWER_EXAMPLES
 from api.comparison_schemas import ComparisonBody
 from api.examples import BODY_EXAMPLES, ID_EXAMPLES, QUERY_EXAMPLES
 from api.filter_schemas import FilteredBody
@@ -27,6 +29,9 @@ def complete(schema: dict[str, Any]) -> None:
         schemas |= {**body.pop("$defs", {}), model.__name__: body}
     for name in ("HTTPValidationError", "ValidationError"):  # FastAPI's own, which ours replaces
         schemas.pop(name, None)
+    for name, example in ANSWER_EXAMPLES.items():
+        if name in schemas:
+            schemas[name]["example"] = example
     for method, path, operation in _operations(schema):
         _describe_problems(operation)
         _give_examples(f"{method.upper()} {path}", path, operation)

@@ -11,7 +11,7 @@ class ParserOptions:
     processes: int = 2 if os.name == "posix" else 0
     """How many there are; with 0 the caller's own process reads, which nothing then guards."""
     seconds: float = 20.0
-    """Time for one upload, by the clock; longer than that of the processor, which others use too."""
+    """Time for one upload, by the clock: more than of the processor, which others use as well."""
     cpu_seconds: float = 7.0
     """Processor time for one upload."""
     memory_bytes: int = 1536 << 20
