@@ -58,7 +58,12 @@ def create_app(
         redoc_url=None,
         redirect_slashes=False,
     )
-    app.state.context = Context(settings, service, anyio.CapacityLimiter(settings.heavy_threads))
+    app.state.context = Context(
+        settings,
+        service,
+        anyio.CapacityLimiter(settings.heavy_threads),
+        readers=anyio.CapacityLimiter(max(settings.parse_processes, 1)),
+    )
     app.add_middleware(BodyLimit, max_bytes=settings.max_upload_bytes + FORM_OVERHEAD_BYTES)
     problems.install(app)
     for routes in (

@@ -1,7 +1,7 @@
 """What every route may use."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, TypeVar
 
 import anyio
@@ -21,6 +21,13 @@ class Context:
     settings: ApiSettings
     service: RenderService
     limiter: anyio.CapacityLimiter
+
+    readers: anyio.CapacityLimiter = field(kw_only=True)
+    """Threads for uploads: one that is slow to read keeps others waiting, and nobody else."""
+
+    async def reading(self, work: Callable[[], Result]) -> Result:
+        """Run what reads an upload on one of the few threads for that."""
+        return await anyio.to_thread.run_sync(work, limiter=self.readers)
 
     async def heavy(self, work: Callable[[], Result]) -> Result:
         """Run on one of the few threads, so that the event loop and its other threads stay free."""

@@ -42,7 +42,10 @@ class ApiSettings(LimitSettings):
         20.0, ge=0, le=3600, description="Time for the running job when the service stops."
     )
     heavy_threads: int = Field(
-        2, ge=1, le=64, description="Uploads and pictures that are decoded or encoded at a time."
+        2,
+        ge=1,
+        le=64,
+        description="Pictures, and what else takes its time, that are made at a time.",
     )
     scene_memory_bytes: int = Field(
         1 << 30, ge=0, description="Parsed scenes that are kept in memory."

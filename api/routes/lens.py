@@ -2,7 +2,7 @@
 
 import json
 import math
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, NamedTuple
 
 from fastapi import APIRouter, Query, Request, Response
 
@@ -16,8 +16,9 @@ from api.routes.renders import IMAGE_RESPONSE
 from api.routes.stored import PROBLEM_RESPONSES
 from raysvc.errors import InvalidInput, InvalidSetting
 from raysvc.frame.refocus import CAMERA_FIELDS, SETTINGS_FIELDS, Refocused, linear, refocus
-from raysvc.loading.picture_file import holds_depth
+from raysvc.loading.picture_file import StoredPicture, holds_depth
 from raysvc.parallel import Control
+from raysvc.types import Floats
 
 router = APIRouter(prefix="/v1/lens", tags=["lens"], responses=PROBLEM_RESPONSES)
 
@@ -70,9 +71,10 @@ async def lens(
     format = query.format or format_for(request.headers.get("accept"))
     form = await read_form(request, len(FILES), context.settings.max_json_bytes)
     try:
-        found, data = await context.heavy(lambda: _made(form, context, format, query.layer))
+        read = await context.reading(lambda: _read(form, context))
     finally:
         form.close()
+    found, data = await context.heavy(lambda: _made(read, context, format, query.layer))
     headers = {
         "Vary": "Accept",
         "Server-Timing": f"lens;dur={1000 * found.seconds:.1f}",
@@ -83,7 +85,16 @@ async def lens(
     return Response(data, media_type=MEDIA_TYPES[format], headers=headers)
 
 
-def _made(form: Form, context: Context, format: str, layer: str | None) -> tuple[Refocused, bytes]:
+class _Asked(NamedTuple):
+    """What a form holds, read."""
+
+    picture: StoredPicture
+    depth: Floats
+    camera: dict[str, Any]
+    settings: dict[str, Any]
+
+
+def _read(form: Form, context: Context) -> _Asked:
     form.refuse_unknown(FILES, TEXTS)
     camera, settings = (
         parse_object(form.texts[part], part) if part in form.texts else {}
@@ -95,11 +106,17 @@ def _made(form: Form, context: Context, format: str, layer: str | None) -> tuple
     if "depth" not in form.files and not holds_depth(shown):
         raise InvalidInput("is missing, and the picture holds none", field="depth")
     deep = _file(form, "depth") if "depth" in form.files else shown
+    return _Asked(parser.picture(shown), parser.depth(deep, scale), camera, settings)
+
+
+def _made(
+    asked: _Asked, context: Context, format: str, layer: str | None
+) -> tuple[Refocused, bytes]:
     found = refocus(
-        linear(parser.picture(shown)),
-        parser.depth(deep, scale),
-        camera,
-        settings,
+        linear(asked.picture),
+        asked.depth,
+        asked.camera,
+        asked.settings,
         control=Control(deadline_s=context.settings.deadline_s),
     )
     return found, found.encode(format, layer)

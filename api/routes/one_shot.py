@@ -66,7 +66,7 @@ async def render(
     if is_multipart(request):
         form = await read_form(request, settings.max_upload_files, settings.max_json_bytes)
         try:
-            body = await context.heavy(lambda: _body_of(form, context))
+            body = await context.reading(lambda: _body_of(form, context))
         finally:
             form.close()
     else:

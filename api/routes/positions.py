@@ -59,7 +59,7 @@ async def put_positions(id: str, request: Request, context: ContextDep) -> Respo
     """Make the scene that is this one with its vertices elsewhere; this one stays as it is."""
     vertices = context.service.scenes.record(id).summary["vertices"]
     body = await read_binary(request, largest_shape_file(vertices), MEDIA)
-    record, new = await context.heavy(lambda: _add(context, id, body, vertices))
+    record, new = await context.reading(lambda: _add(context, id, body, vertices))
     resource = scene_resource(record)
     return SafeJSONResponse(
         resource.model_dump(mode="json"), 201 if new else 200, {"Location": resource.links["self"]}

@@ -56,6 +56,6 @@ async def add(request: Request, context: Context, store: ContentStore[Any]) -> t
     form = await read_form(request, settings.max_upload_files, settings.max_json_bytes)
     try:
         form.refuse_unknown(files={"file"}, texts={"main"})
-        return await context.heavy(lambda: store.add(form.upload("file", form.texts.get("main"))))
+        return await context.reading(lambda: store.add(form.upload("file", form.texts.get("main"))))
     finally:
         form.close()
