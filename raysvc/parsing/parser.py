@@ -206,13 +206,22 @@ class Parser:
                 self._count += 1
             try:
                 process = self._launched()
-            except RaysvcError as error:
-                logger.error("%s", error.message)  # whoever needs one tries again, and hears it
+            except (RaysvcError, OSError) as error:
+                logger.error("%s", error)  # whoever needs one tries again, and hears it
                 return
             self._give_back(process, last=False)
 
     def _launched(self) -> ParserProcess:
         """Launch a process that has been counted already; forgets it if that fails."""
+        try:
+            return self._process_of_a_launcher()
+        except BaseException:
+            with self._changed:
+                self._count -= 1
+                self._changed.notify()
+            raise
+
+    def _process_of_a_launcher(self) -> ParserProcess:
         how = ""
         for _ in range(ATTEMPTS):
             with self._changed:
@@ -224,9 +233,6 @@ class Parser:
             with self._changed:
                 if self._launcher is launcher:
                     self._close_launcher()
-        with self._changed:
-            self._count -= 1
-            self._changed.notify()
         raise RaysvcError(f"the process that starts readers of files does not start ({how})")
 
     def _end(self, process: ParserProcess) -> None:

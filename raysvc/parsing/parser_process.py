@@ -38,18 +38,19 @@ class ParserProcess:
 
     def __init__(self, launcher: Launcher, options: ParserOptions) -> None:
         self._launcher, self._options = launcher, options
-        self._file = _anonymous_file()
-        self._folder = tempfile.mkdtemp(prefix="raysvc-parser-")
-        hears, self._says = os.pipe()
-        self._hears, says = os.pipe()
-        try:
+        with contextlib.ExitStack() as passed_on, contextlib.ExitStack() as ours:
+            self._folder = tempfile.mkdtemp(prefix="raysvc-parser-")
+            ours.callback(shutil.rmtree, self._folder, ignore_errors=True)
+            self._file = _anonymous_file()
+            ours.callback(os.close, self._file)
+            hears, self._says = os.pipe()
+            passed_on.callback(os.close, hears)
+            ours.callback(os.close, self._says)
+            self._hears, says = os.pipe()
+            passed_on.callback(os.close, says)
+            ours.callback(os.close, self._hears)
             self.id = launcher.launch(self._folder, (self._file, hears, says))
-        except BaseException:
-            self._let_go()
-            raise
-        finally:
-            os.close(hears)
-            os.close(says)
+            self._ours = ours.pop_all()  # until it is closed
         self._poll = select.poll()
         self._poll.register(self._hears, select.POLLIN)
         self._ready = False
@@ -102,7 +103,7 @@ class ParserProcess:
     def close(self) -> None:
         """End the process, and all that it may have started, and remove what it left."""
         self._how_it_ended()
-        self._let_go()
+        self._ours.close()
 
     def _take_ready(self, seconds: float) -> None:
         said = self._hear(seconds)
@@ -131,11 +132,6 @@ class ParserProcess:
                 os.killpg(self.id, signal.SIGKILL)
             return "its parent died"
         return signal.Signals(-code).name if code < 0 else f"exit code {code}"
-
-    def _let_go(self) -> None:
-        for file in (self._file, self._says, self._hears):
-            os.close(file)
-        shutil.rmtree(self._folder, ignore_errors=True)
 
     def _resident_bytes(self) -> int:
         try:

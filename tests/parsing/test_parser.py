@@ -1,6 +1,7 @@
 """Files read by other processes: the same scenes and errors as in this one, whatever they do to
 their reader."""
 
+import errno
 import io
 import os
 import signal
@@ -286,6 +287,22 @@ def is_running(id: int) -> bool:
         return ") Z " not in Path(f"/proc/{id}/stat").read_text()
     except FileNotFoundError:
         return False
+
+
+def test_a_full_disk_passes(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(**_: object) -> str:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    parser = strict()
+    try:
+        with monkeypatch.context() as patched:
+            patched.setattr(tempfile, "mkdtemp", full)
+            for _ in range(3):
+                with pytest.raises(OSError, match="No space"):
+                    parser.scene({"a.obj": OBJ})
+        assert len(parser.scene({"a.obj": OBJ}).triangles) == 1
+    finally:
+        parser.close()
 
 
 def test_after_its_end_nothing_is_read() -> None:
