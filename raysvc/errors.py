@@ -11,6 +11,8 @@ RaysvcError
   + NotFinished             there will be a picture, but not yet
   + Gone                    there was a picture, and it is no longer kept
   + Unavailable             a part of raysvc that this machine cannot run
+  + NotAuthenticated        a key is needed, and none or no good one was sent
+  + NotAllowed              the key is good, but not for this
   + QueueFull               try again later
   + Cancelled               the caller asked to stop
   + DeadlineExceeded        the work took longer than it was given
@@ -73,6 +75,19 @@ class Gone(RaysvcError):
 
 class Unavailable(RaysvcError):
     """A part of raysvc that this machine cannot run, and why."""
+
+
+class NotAuthenticated(RaysvcError):
+    """The service wants a key, and none came with the request, or one that it does not know."""
+
+
+class NotAllowed(RaysvcError):
+    """The key that came with the request does not reach as far as this."""
+
+    def __init__(self, message: str, field: str | None = None, *, scope: str | None = None) -> None:
+        super().__init__(message, field)
+        self.scope = scope
+        """What the key would have to be for."""
 
 
 class QueueFull(RaysvcError):

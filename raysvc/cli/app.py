@@ -11,6 +11,7 @@ from raysvc.cli.compare import compare
 from raysvc.cli.demo import demo
 from raysvc.cli.filter import filter_environment
 from raysvc.cli.inspect import inspect
+from raysvc.cli.keys import keys
 from raysvc.cli.lens import lens
 from raysvc.cli.render import render
 from raysvc.cli.serve import serve
@@ -32,6 +33,7 @@ for command in (serve, render, lens, compare, inspect, warmup, demo):
     app.command()(command)
 app.command("filter")(filter_environment)
 app.add_typer(bench)
+app.add_typer(keys)
 
 
 def _show_version(wanted: bool) -> None:
