@@ -7,11 +7,13 @@
       Worker          one thread, one job at a time
       SceneRenderer   makes pictures;  SceneComparer: measures acceleration structures
       Results         finished pictures, the least recently used ones make room
+      Observer        hears what becomes of jobs
 
 Nothing here has heard of HTTP.
 """
 
 from raysvc.jobs.model import Job, JobState
+from raysvc.jobs.observer import Observer, Observers
 from raysvc.jobs.queue import JobQueue
 from raysvc.jobs.renderer import PatternRenderer, Picture, Renderer
 from raysvc.jobs.requests import ComparisonRequest, RenderRequest, Request
@@ -30,6 +32,8 @@ __all__ = [
     "JobQueue",
     "JobState",
     "MakeRenderer",
+    "Observer",
+    "Observers",
     "PatternRenderer",
     "Picture",
     "Record",

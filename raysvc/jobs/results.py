@@ -1,6 +1,6 @@
 """Finished pictures, held in memory by the name of their request."""
 
-from raysvc.jobs.lru import LeastRecentlyUsed
+from raysvc.jobs.lru import Counts, LeastRecentlyUsed
 from raysvc.jobs.renderer import Picture
 
 
@@ -17,6 +17,11 @@ class Results:
     def get(self, name: str) -> Picture | None:
         """Return a picture if it is still held."""
         return self._pictures.get(name)
+
+    @property
+    def counts(self) -> Counts:
+        """How often pictures were held when they were asked for."""
+        return self._pictures.counts
 
 
 def _bytes_of(picture: Picture) -> int:

@@ -15,8 +15,9 @@ from raysvc.frame.probe import check_probe
 from raysvc.frame.settings import check_cost
 from raysvc.frame.view import camera_from
 from raysvc.jobs.kinds import environment_kind, scene_kind
-from raysvc.jobs.lru import LeastRecentlyUsed
+from raysvc.jobs.lru import Counts, LeastRecentlyUsed
 from raysvc.jobs.model import Job, JobState
+from raysvc.jobs.observer import Observer
 from raysvc.jobs.queue import JobQueue
 from raysvc.jobs.renderer import Picture, Renderer
 from raysvc.jobs.requests import ComparisonRequest, RenderRequest, Request
@@ -61,7 +62,13 @@ class ServiceOptions:
 class RenderService:
     """Takes requests in, hands pictures and comparisons out; `close` when done."""
 
-    def __init__(self, options: ServiceOptions, make_renderer: MakeRenderer) -> None:
+    def __init__(
+        self,
+        options: ServiceOptions,
+        make_renderer: MakeRenderer,
+        observer: Observer | None = None,
+    ) -> None:
+        self._observer = observer or Observer()
         self.limits = options.limits
         self.scenes = SceneStore(
             options.data_dir / "scenes", scene_kind(options.limits), options.scene_memory_bytes
@@ -94,6 +101,21 @@ class RenderService:
         if self._draining:
             return "draining"
         return None if self._worker.warm.is_set() else "warming up"
+
+    @property
+    def waiting(self) -> int:
+        """How many jobs wait."""
+        return len(self._queue)
+
+    @property
+    def caches(self) -> Mapping[str, Counts]:
+        """What is held in memory, and how often it was there when it was asked for."""
+        return {
+            "scenes": self.scenes.counts,
+            "environments": self.environments.counts,
+            "results": self._results.counts,
+            "comparisons": self._comparisons.counts,
+        }
 
     def submit(self, request: RenderRequest) -> Job[RenderRequest]:
         """Accept a render after checking it against its scene; one that is held is done at once.
@@ -186,6 +208,8 @@ class RenderService:
         return statistics
 
     def _remember(self, job: Job[Any]) -> None:
+        self._observer.accepted(job)
+        job.finished.add_done_callback(lambda _: self._observer.ended(job))
         with self._lock:
             self._jobs[job.id] = job
             surplus = len(self._jobs) - self._kept_jobs

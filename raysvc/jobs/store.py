@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
 from raysvc.errors import InvalidSetting, NotFound
-from raysvc.jobs.lru import LeastRecentlyUsed
+from raysvc.jobs.lru import Counts, LeastRecentlyUsed
 from raysvc.loading.files import Files
 from raysvc.loading.scene_file import BUILTIN_PREFIX
 from raysvc.version import VERSION
@@ -139,6 +139,11 @@ class ContentStore(Generic[Thing]):
             thing = self._load(record)
             self._parsed.put(id, thing)
         return thing
+
+    @property
+    def counts(self) -> Counts:
+        """How often parsed things were held when they were asked for."""
+        return self._parsed.counts
 
     def delete(self, id: str) -> None:
         """Forget a thing and its files. Raises NotFound."""
