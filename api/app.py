@@ -5,21 +5,27 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 import anyio
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from fastapi.openapi.utils import get_openapi
+from starlette.middleware.cors import CORSMiddleware
 from starlette.staticfiles import StaticFiles
 
-from api import problems
+from api import access, problems
 from api.body_limit import BodyLimit
 from api.comparison_schemas import ComparisonBody
 from api.context import Context
 from api.filter_schemas import FilteredBody
+from api.logs import JobLog
+from api.metrics import Metrics
+from api.request_ids import HEADER, RequestIds
+from api.request_log import RequestLog
 from api.routes import (
     comparisons,
     environments,
     filtered,
     health,
     lens,
+    metrics,
     one_shot,
     pages,
     positions,
@@ -28,12 +34,25 @@ from api.routes import (
     structures,
 )
 from api.schemas import RenderBody
+from api.security_headers import SecurityHeaders
 from api.settings import ApiSettings, settings_from_environment
-from raysvc.jobs import MakeRenderer, RenderService, SceneRenderer
+from raysvc.access import KeyStore
+from raysvc.jobs import MakeRenderer, Observers, RenderService, SceneRenderer
 from raysvc.version import VERSION
 
 FORM_OVERHEAD_BYTES = 1 << 20
 """What boundaries, headers and fields of a form may add to its files."""
+
+READABLE_ELSEWHERE = (
+    "Location",
+    "ETag",
+    "Link",
+    "Retry-After",
+    "Server-Timing",
+    "X-Raysvc-Statistics",
+    HEADER,
+)
+"""Headers that pages of the allowed other origins may read."""
 
 
 def create_app(
@@ -44,13 +63,16 @@ def create_app(
     The service starts and stops with the application's lifespan.
     """
     settings = settings or settings_from_environment()
-    service = RenderService(settings.service_options(), make_renderer)
+    measured, keys = Metrics(), KeyStore(settings.data_dir)
+    observer = Observers(measured, JobLog())
+    service = RenderService(settings.service_options(), make_renderer, observer)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         service.start()
         yield
         await anyio.to_thread.run_sync(service.close, settings.grace_s)
+        keys.close()
 
     app = FastAPI(
         title="raysvc",
@@ -60,9 +82,23 @@ def create_app(
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
+        dependencies=[Depends(access.Guard(keys))],
     )
-    app.state.context = Context(settings, service, anyio.CapacityLimiter(settings.heavy_threads))
+    limiter = anyio.CapacityLimiter(settings.heavy_threads)
+    app.state.context = Context(settings, service, limiter, measured)
+    # The last one that is added is the outermost.
     app.add_middleware(BodyLimit, max_bytes=settings.max_upload_bytes + FORM_OVERHEAD_BYTES)
+    if settings.cors_origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=settings.cors_origins,
+            allow_methods=["*"],
+            allow_headers=["*"],
+            expose_headers=READABLE_ELSEWHERE,
+        )
+    app.add_middleware(SecurityHeaders)
+    app.add_middleware(RequestLog, metrics=measured)
+    app.add_middleware(RequestIds)
     problems.install(app)
     for routes in (
         scenes,
@@ -75,6 +111,7 @@ def create_app(
         comparisons,
         structures,
         health,
+        metrics,
         pages,
     ):
         app.include_router(routes.router)
@@ -93,5 +130,6 @@ def _openapi(app: FastAPI) -> dict[str, Any]:
             body = model.model_json_schema(ref_template="#/components/schemas/{model}")
             parts = body.pop("$defs", {})
             schema["components"]["schemas"] |= {model.__name__: body, **parts}
+        access.describe_security(schema)
         app.openapi_schema = schema
     return app.openapi_schema

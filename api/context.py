@@ -8,6 +8,7 @@ import anyio
 import anyio.to_thread
 from fastapi import Depends, Request
 
+from api.metrics import Metrics
 from api.settings import ApiSettings
 from raysvc.jobs import RenderService
 
@@ -21,6 +22,7 @@ class Context:
     settings: ApiSettings
     service: RenderService
     limiter: anyio.CapacityLimiter
+    metrics: Metrics
 
     async def heavy(self, work: Callable[[], Result]) -> Result:
         """Run on one of the few threads, so that the event loop and its other threads stay free."""

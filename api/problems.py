@@ -1,7 +1,8 @@
 """What went wrong, as RFC 9457 problem details: one table, one shape.
 
 {"type": "urn:raysvc:problem:invalid-scene", "title": "...", "status": 422, "detail": "...",
- "instance": "/v1/scenes", "field": "meshes[0].primitives[0].indices", "retryable": false}
+ "instance": "/v1/scenes", "field": "meshes[0].primitives[0].indices", "retryable": false,
+ "request_id": "..."}
 """
 
 import logging
@@ -16,7 +17,11 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
+from api.access import challenge
+from api.context import Context
+from api.request_ids import HEADER as REQUEST_ID
 from api.responses import SafeJSONResponse
+from api.security_headers import HEADERS
 from raysvc import errors
 
 logger = logging.getLogger(__name__)
@@ -82,6 +87,10 @@ PROBLEMS: Final[Mapping[type[errors.RaysvcError], Problem]] = MappingProxyType(
         errors.Unavailable: Problem(
             HTTPStatus.UNPROCESSABLE_ENTITY, "unavailable", "Not available on this machine"
         ),
+        errors.NotAuthenticated: Problem(HTTPStatus.UNAUTHORIZED, "no-key", "A key is needed"),
+        errors.NotAllowed: Problem(
+            HTTPStatus.FORBIDDEN, "not-allowed", "The key does not reach that far"
+        ),
         errors.QueueFull: Problem(HTTPStatus.TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
         errors.Cancelled: Problem(HTTPStatus.CONFLICT, "cancelled", "The job was cancelled"),
         errors.DeadlineExceeded: Problem(
@@ -124,9 +133,17 @@ def install(app: FastAPI) -> None:
 def _answer(
     request: Request, body: dict[str, Any], headers: Mapping[str, str] | None = None
 ) -> SafeJSONResponse:
+    context: Context | None = getattr(request.app.state, "context", None)
+    if context is not None:
+        context.metrics.rejections.add(body["type"].removeprefix(TYPE_PREFIX))
     raw_path: bytes = request.scope.get("raw_path") or request.url.path.encode()
     body["instance"] = raw_path.decode("ascii", "replace")
-    return SafeJSONResponse(body, body["status"], headers, MEDIA_TYPE)
+    body["request_id"] = getattr(request.state, "request_id", None)
+    # An unexpected error is answered outside of all middleware, which adds these otherwise.
+    added = dict(HEADERS)
+    if body["request_id"] is not None:
+        added[REQUEST_ID] = body["request_id"]
+    return SafeJSONResponse(body, body["status"], {**added, **(headers or {})}, MEDIA_TYPE)
 
 
 async def _raysvc_error(request: Request, error: Exception) -> SafeJSONResponse:
@@ -134,6 +151,8 @@ async def _raysvc_error(request: Request, error: Exception) -> SafeJSONResponse:
     headers = {}
     if isinstance(error, errors.QueueFull):
         headers["Retry-After"] = str(math.ceil(error.retry_after_s))
+    if isinstance(error, errors.NotAuthenticated | errors.NotAllowed):
+        headers["WWW-Authenticate"] = challenge(error, "authorization" in request.headers)
     return _answer(request, error_body(error), headers)
 
 

@@ -54,6 +54,7 @@ class ProblemBody(BaseModel):
     instance: str
     field: str | None = Field(description="What was wrong, in the request's own words.")
     retryable: bool = Field(description="Whether the same request may succeed later.")
+    request_id: str | None = Field(description="What the service's log calls the request.")
 
 
 class StoredResource(BaseModel):

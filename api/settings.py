@@ -1,21 +1,18 @@
 """What whoever runs the service may choose, through environment variables RAYSVC_..."""
 
 import dataclasses
-import os
+import re
 from pathlib import Path
+from typing import Annotated
 
-from pydantic import Field, ValidationError
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import Field, ValidationError, field_validator
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
+from api.logs import LogFormat, LogLevel
+from raysvc.data_folder import default_data_dir
 from raysvc.errors import InvalidSetting
 from raysvc.jobs import ServiceOptions
 from raysvc.limits import DEFAULT_LIMITS, Limits
-
-
-def default_data_dir() -> Path:
-    """Folder for data that a user's programs keep."""
-    home = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(home) / "raysvc"
 
 
 class ApiSettings(BaseSettings):
@@ -57,6 +54,11 @@ class ApiSettings(BaseSettings):
     comparison_memory_bytes: int = Field(
         128 << 20, ge=0, description="Finished comparisons that are kept in memory."
     )
+    cors_origins: Annotated[tuple[str, ...], NoDecode] = Field(
+        (), description="Origins whose pages may call, commas between; `*` is all of them."
+    )
+    log_format: LogFormat = Field("text", description="`text` for people, `json` for machines.")
+    log_level: LogLevel = Field("info", description="`debug`, `info`, `warning` or `error`.")
     max_json_bytes: int = Field(1 << 20, ge=1, description="Largest JSON body or form field.")
     max_upload_bytes: int = Field(
         DEFAULT_LIMITS.max_scene_bytes, ge=1, description="Largest upload, all files together."
@@ -84,6 +86,22 @@ class ApiSettings(BaseSettings):
     max_comparison_rays: int = Field(
         DEFAULT_LIMITS.max_comparison_rays, ge=1, description="Rays of a comparison."
     )
+
+    @field_validator("cors_origins", mode="before")
+    @classmethod
+    def _split(cls, value: object) -> object:
+        """Take `A,B` apart."""
+        if not isinstance(value, str):
+            return value
+        return tuple(origin.strip() for origin in value.split(",") if origin.strip())
+
+    @field_validator("cors_origins")
+    @classmethod
+    def _check_origins(cls, origins: tuple[str, ...]) -> tuple[str, ...]:
+        for origin in origins:
+            if origin != "*" and not re.fullmatch(r"https?://[^/\s]+", origin):
+                raise ValueError(f"{origin!r} is no origin, such as https://example.org")
+        return origins
 
     def limits(self) -> Limits:
         """Return the core's limits."""

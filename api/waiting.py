@@ -22,6 +22,7 @@ async def answer_to_new(
     A client waits as long as it asks for by `Prefer: wait=N`, and no longer than `wait_max_s`.
     """
     headers = {"Location": location}
+    request.state.job_id = job.id  # for the log
     wanted_s = wait_seconds(request.headers.getlist("prefer"))
     if wanted_s is None:
         return 202, headers

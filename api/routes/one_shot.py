@@ -72,6 +72,7 @@ async def render(
     else:
         body = await read_json_object(request, settings.max_json_bytes)
     job = await context.heavy(lambda: submit(context.service, body))
+    request.state.job_id = job.id  # for the log
     if not await wait_for(job, settings.deadline_s, request):
         job.cancel()
         raise DeadlineExceeded(f"no picture within {settings.deadline_s:g} seconds", "deadline_s")

@@ -7,7 +7,7 @@ from fastapi import APIRouter, Query, Request, Response
 from api.context import ContextDep
 from api.json_bodies import read_json_object
 from api.negotiation import MEDIA_TYPES
-from api.pictures import ImageQuery, image_response
+from api.pictures import ImageQuery, image_response, server_timing
 from api.render_requests import submit
 from api.responses import SafeJSONResponse
 from api.routes.stored import PROBLEM_RESPONSES
@@ -46,6 +46,7 @@ async def add_render(request: Request, context: ContextDep) -> Response:
         job, f"/v1/renders/{job.id}", request, context.settings.wait_max_s
     )
     resource = render_resource(job, context.service.position(job))
+    headers |= server_timing(job)
     return SafeJSONResponse(resource.model_dump(mode="json"), status, headers)
 
 
@@ -54,7 +55,8 @@ async def get_render(id: str, context: ContextDep) -> Response:
     """How far a render is, and what it took."""
     job = context.service.job(id, RenderRequest)
     resource = render_resource(job, context.service.position(job))
-    return SafeJSONResponse(resource.model_dump(mode="json"), headers={"Cache-Control": "no-store"})
+    headers = {"Cache-Control": "no-store", **server_timing(job)}
+    return SafeJSONResponse(resource.model_dump(mode="json"), headers=headers)
 
 
 @router.get("/{id}/image", response_class=Response, responses={200: IMAGE_RESPONSE})

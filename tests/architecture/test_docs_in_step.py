@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 import typer
+from fastapi.testclient import TestClient
 
+from api.access import SCOPES
 from api.app import create_app
 from api.filter_schemas import FilteredBody
 from api.problems import PROBLEMS
@@ -14,9 +16,11 @@ from raysvc.cli.app import app as command_line
 from raysvc.frame.probe import Probe
 from raysvc.frame.settings import Settings
 from raysvc.frame.view import View
+from raysvc.jobs import PatternRenderer
 
 DOCS = Path(__file__).parents[2] / "docs"
 HTTP = (DOCS / "http.md").read_text(encoding="utf-8")
+RUNNING = (DOCS / "running.md").read_text(encoding="utf-8")
 COMMAND_LINE = (DOCS / "command_line.md").read_text(encoding="utf-8")
 
 
@@ -50,6 +54,28 @@ def test_every_route_is_documented(tmp_path: Path) -> None:
 @pytest.mark.parametrize("problem", PROBLEMS.values(), ids=lambda problem: problem.type)
 def test_every_kind_of_problem_is_documented(problem: object) -> None:
     assert f"| `{problem.type}` | {int(problem.status)} |" in HTTP  # type: ignore[attr-defined]
+
+
+def test_the_scope_of_every_route_is_documented() -> None:
+    rows = dict(re.findall(r"^\| (`\w+`|none) \| (`[A-Z]+ /.*) \|$", RUNNING, re.MULTILINE))
+    told = {
+        tuple(route.split()): None if scope == "none" else scope.strip("`")
+        for scope, cell in rows.items()
+        for route in re.findall(r"`([A-Z]+ \S+)`", cell)
+    }
+    assert told == {route: scope and str(scope) for route, scope in SCOPES.items()}
+
+
+def test_every_metric_is_documented(tmp_path: Path) -> None:
+    with TestClient(create_app(ApiSettings(data_dir=tmp_path), pattern_renderer)) as client:
+        text = client.get("/metrics").text
+    names = re.findall(r"^# TYPE (\S+)", text, re.MULTILINE)
+    told = re.findall(r"^\| `(raysvc_\w+)` \|", RUNNING, re.MULTILINE)
+    assert sorted(told) == sorted(names)
+
+
+def pattern_renderer(*_: object) -> PatternRenderer:
+    return PatternRenderer()
 
 
 def commands() -> dict[str, typer.core.TyperCommand]:
