@@ -87,7 +87,9 @@ PROBLEMS: Final[Mapping[type[errors.RaysvcError], Problem]] = MappingProxyType(
         errors.Unavailable: Problem(
             HTTPStatus.UNPROCESSABLE_ENTITY, "unavailable", "Not available on this machine"
         ),
-        errors.NotAuthenticated: Problem(HTTPStatus.UNAUTHORIZED, "no-key", "A key is needed"),
+        errors.NotAuthenticated: Problem(
+            HTTPStatus.UNAUTHORIZED, "not-authenticated", "A key is needed"
+        ),
         errors.NotAllowed: Problem(
             HTTPStatus.FORBIDDEN, "not-allowed", "The key does not reach that far"
         ),

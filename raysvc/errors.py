@@ -13,6 +13,7 @@ RaysvcError
   + Unavailable             a part of raysvc that this machine cannot run
   + NotAuthenticated        a key is needed, and none or no good one was sent
   + NotAllowed              the key is good, but not for this
+  + Unreachable             no service answers there
   + QueueFull               try again later
   + Cancelled               the caller asked to stop
   + DeadlineExceeded        the work took longer than it was given
@@ -88,6 +89,12 @@ class NotAllowed(RaysvcError):
         super().__init__(message, field)
         self.scope = scope
         """What the key would have to be for."""
+
+
+class Unreachable(RaysvcError):
+    """No service answers at an address, or what answers is none."""
+
+    retryable = True
 
 
 class QueueFull(RaysvcError):

@@ -73,7 +73,7 @@ def test_a_refusal_says_what_to_do(client: TestClient, keys: KeyStore) -> None:
     nothing = client.get("/v1/scenes")
     assert nothing.headers["WWW-Authenticate"] == 'Bearer realm="raysvc"'
     assert nothing.headers["Content-Type"] == "application/problem+json"
-    assert nothing.json()["type"] == "urn:raysvc:problem:no-key"
+    assert nothing.json()["type"] == "urn:raysvc:problem:not-authenticated"
     assert nothing.json()["field"] == "Authorization"
     for given in (bearer(UNKNOWN), {"Authorization": f"Basic {key}"}, {"Authorization": key}):
         wrong = client.get("/v1/scenes", headers=given)
