@@ -14,6 +14,7 @@ from api import access, problems
 from api.body_limit import BodyLimit
 from api.comparison_schemas import ComparisonBody
 from api.context import Context
+from api.examples import add_examples
 from api.filter_schemas import FilteredBody
 from api.logs import JobLog
 from api.metrics import Metrics
@@ -33,7 +34,7 @@ from api.routes import (
     scenes,
     structures,
 )
-from api.schemas import RenderBody
+from api.schemas import ProblemBody, RenderBody
 from api.security_headers import SecurityHeaders
 from api.settings import ApiSettings, settings_from_environment
 from raysvc.access import KeyStore
@@ -126,10 +127,11 @@ def _openapi(app: FastAPI) -> dict[str, Any]:
         schema = get_openapi(
             title=app.title, version=app.version, summary=app.summary, routes=app.routes
         )
-        for model in (RenderBody, ComparisonBody, FilteredBody):
+        for model in (RenderBody, ComparisonBody, FilteredBody, ProblemBody):
             body = model.model_json_schema(ref_template="#/components/schemas/{model}")
             parts = body.pop("$defs", {})
             schema["components"]["schemas"] |= {model.__name__: body, **parts}
         access.describe_security(schema)
+        add_examples(schema)
         app.openapi_schema = schema
     return app.openapi_schema
