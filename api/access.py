@@ -1,11 +1,13 @@
 """Who may use which route: one literal table, and the check that reads it.
 
 Where the service has keys, a route that is not public wants one in `Authorization: Bearer KEY`
-(RFC 6750) whose scope reaches as far. Where it has none, everybody may do everything.
+(RFC 6750) whose scope reaches as far. Where it has none, everybody may do everything - but not
+the pages of strangers that somebody's browser shows: it would let them post forms to a service on
+its own machine, and only keep the answer from them.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -64,11 +66,13 @@ _BEARER: Final = re.compile(r"Bearer +(\S+)", re.IGNORECASE)
 class Guard:
     """Refuses requests that the keys of a service do not allow; a dependency of every route."""
 
-    def __init__(self, keys: KeyStore) -> None:
+    def __init__(self, keys: KeyStore, origins: Collection[str] = ()) -> None:
         self._keys = keys
+        self._origins = frozenset(origins)
 
     async def __call__(self, request: Request) -> None:
         """Raise NotAuthenticated or NotAllowed."""
+        self._check_page(request)
         needed = SCOPES.get((request.method, request.scope["route"].path), Scope.ADMIN)
         if needed is None or not self._keys.guarded:
             return
@@ -87,10 +91,22 @@ class Guard:
             )
         request.state.key_id = key.id
 
+    def _check_page(self, request: Request) -> None:
+        """Raise NotAllowed for what a page of a strange origin makes a browser send.
+
+        Browsers say by Sec-Fetch-Site where a request comes from (W3C, Fetch Metadata), and other
+        clients send no such thing. Pages may link to what is only looked at.
+        """
+        strange = request.headers.get("sec-fetch-site") in ("cross-site", "same-site")
+        if not strange or request.method in ("GET", "HEAD"):
+            return
+        if not self._origins & {"*", request.headers.get("origin")}:
+            raise NotAllowed("pages of this origin may not call the service", field="Origin")
+
 
 def challenge(error: NotAuthenticated | NotAllowed, key_given: bool) -> str:
     """WWW-Authenticate of a refusal (RFC 6750, section 3)."""
-    if isinstance(error, NotAllowed):
+    if isinstance(error, NotAllowed) and error.scope is not None:
         return f'Bearer realm="raysvc", error="insufficient_scope", scope="{error.scope}"'
     return 'Bearer realm="raysvc"' + (', error="invalid_token"' if key_given else "")
 

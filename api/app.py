@@ -83,7 +83,7 @@ def create_app(
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
-        dependencies=[Depends(access.Guard(keys))],
+        dependencies=[Depends(access.Guard(keys, settings.cors_origins))],
     )
     limiter = anyio.CapacityLimiter(settings.heavy_threads)
     app.state.context = Context(settings, service, limiter, measured)

@@ -92,6 +92,37 @@ def test_pages_of_a_named_origin_may_call(make_client: MakeClient) -> None:
     assert "Access-Control-Allow-Origin" not in client.get("/healthz", headers=other).headers
 
 
+@pytest.mark.parametrize(
+    ("site", "allowed"),
+    [
+        ("cross-site", False),
+        ("same-site", False),
+        ("same-origin", True),
+        ("none", True),
+        ("", True),
+    ],
+)
+def test_pages_of_strangers_may_not_post_forms(
+    make_client: MakeClient, site: str, allowed: bool
+) -> None:
+    client = make_client()
+    headers = {"Origin": ELSEWHERE, **({"Sec-Fetch-Site": site} if site else {})}
+    files = {"scene": (None, "builtin:cornell"), "camera": (None, '{"width": 4, "height": 4}')}
+    answer = client.post("/v1/render", files=files, headers=headers)
+    assert answer.status_code == (200 if allowed else 403)
+    if not allowed:
+        assert answer.json()["field"] == "Origin"
+    assert client.get("/v1/structures", headers=headers).status_code == 200
+
+
+@pytest.mark.parametrize("origins", [ELSEWHERE, "*"])
+def test_pages_of_a_named_origin_may_post(make_client: MakeClient, origins: str) -> None:
+    client = make_client(cors_origins=origins)
+    headers = {"Origin": ELSEWHERE, "Sec-Fetch-Site": "cross-site"}
+    body = {"builtin": "cornell"}
+    assert client.post("/v1/scenes", json=body, headers=headers).status_code == 201
+
+
 @pytest.mark.parametrize("origins", ["example.org", "https://example.org/", "null"])
 def test_what_is_no_origin_is_refused(tmp_path: Any, origins: str) -> None:
     with pytest.raises(ValueError, match="is no origin"):
