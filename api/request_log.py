@@ -12,7 +12,7 @@ logger = logging.getLogger("raysvc.http")
 
 METHODS: Final = frozenset({"GET", "HEAD", "POST", "PUT", "DELETE", "OPTIONS", "PATCH"})
 QUIET: Final = frozenset({"/healthz", "/readyz", "/metrics"})
-"""Routes that are asked every few seconds; their successes are logged as debug."""
+"""Routes that are asked every few seconds; that they answer, also with "not yet", is for debug."""
 
 
 class RequestLog:
@@ -46,7 +46,7 @@ class RequestLog:
         method = scope["method"] if scope["method"] in METHODS else "OTHER"
         self._metrics.requests.add(method, route, str(status))
         self._metrics.request_seconds.observe(seconds, method, route)
-        level = logging.DEBUG if route in QUIET and status < 400 else logging.INFO
+        level = logging.DEBUG if route in QUIET and status in (200, 503) else logging.INFO
         fields: dict[str, Any] = {
             "method": scope["method"],
             # As it came, percent signs and all: nothing in it can break a line.

@@ -91,6 +91,8 @@ def test_a_failed_job_is_a_warning_that_says_why(make_client: MakeClient, caplog
 def test_probes_are_logged_only_when_something_is_wrong(client: TestClient, caplog: Caplog) -> None:
     caplog.set_level(logging.INFO)
     client.get("/healthz")
+    client.app.state.context.service.drain()  # type: ignore[attr-defined]
+    assert client.get("/readyz").status_code == 503
     client.get("/v1/scenes/none")
     lines = [made.getMessage() for made in caplog.records if made.name == "raysvc.http"]
     assert lines == ["GET /v1/scenes/none 404"]
