@@ -11,10 +11,11 @@ from starlette.middleware.cors import CORSMiddleware
 from starlette.staticfiles import StaticFiles
 
 from api import access, problems
+from api.answer_examples import add_answer_examples
+from api.body_examples import add_body_examples
 from api.body_limit import BodyLimit
 from api.comparison_schemas import ComparisonBody
 from api.context import Context
-from api.examples import add_examples
 from api.filter_schemas import FilteredBody
 from api.logs import JobLog
 from api.metrics import Metrics
@@ -132,6 +133,7 @@ def _openapi(app: FastAPI) -> dict[str, Any]:
             parts = body.pop("$defs", {})
             schema["components"]["schemas"] |= {model.__name__: body, **parts}
         access.describe_security(schema)
-        add_examples(schema)
+        add_body_examples(schema)
+        add_answer_examples(schema)
         app.openapi_schema = schema
     return app.openapi_schema

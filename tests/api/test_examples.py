@@ -6,7 +6,8 @@ import pytest
 from fastapi.testclient import TestClient
 
 from api import comparison_schemas, filter_schemas, schemas
-from api.examples import ANSWERS, BODIES, PARAMETERS
+from api.answer_examples import ANSWERS
+from api.body_examples import BODIES, PARAMETERS
 from tests.api.conftest import MakeClient
 
 JSON_BODIES = [
