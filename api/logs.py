@@ -48,8 +48,8 @@ class TextLines(logging.Formatter):
         known = " ".join(
             f"{key}={value}" for key, value in _known(record).items() if key not in said
         )
-        message = " ".join(record.getMessage().splitlines())
-        line = f"{_time(record)} {record.levelname:<7} {record.name}: {message} {known}".rstrip()
+        line = f"{_time(record)} {record.levelname:<7} {record.name}: {record.getMessage()} {known}"
+        line = " ".join(line.split())  # whatever is told of, it begins no line of its own
         if record.exc_info:
             line += "\n" + self.formatException(record.exc_info)
         return line

@@ -1,12 +1,15 @@
 import json
 import logging
 import sys
+from pathlib import Path
 
 import pytest
 from fastapi.testclient import TestClient
 
 from api.logs import JsonLines, TextLines
 from api.request_ids import request_id
+from raysvc.access import KeyStore, Scope
+from raysvc.access.key import id_in
 from raysvc.errors import InvalidSetting
 from raysvc.jobs import PatternRenderer
 from tests.api.conftest import MakeClient
@@ -50,8 +53,8 @@ def test_an_exception_is_part_of_its_line() -> None:
 
 
 def test_a_line_for_people_is_one_line() -> None:
-    line = TextLines().format(record("two\nlines", job_id="7"))
-    assert line.endswith("raysvc.http: two lines job_id=7")
+    line = TextLines().format(record("two\nlines", job_id="7", error="a\r\nb\u2028c"))
+    assert line.endswith("raysvc.http: two lines job_id=7 error=a b c")
 
 
 def test_a_request_its_job_and_the_answer_share_an_id(client: TestClient, caplog: Caplog) -> None:
@@ -98,7 +101,18 @@ def test_probes_are_logged_only_when_something_is_wrong(client: TestClient, capl
     assert lines == ["GET /v1/scenes/none 404"]
 
 
-def test_a_key_never_reaches_the_log(client: TestClient, caplog: Caplog) -> None:
+def test_the_id_of_a_key_is_logged_and_the_key_is_not(
+    client: TestClient, caplog: Caplog, tmp_path: Path
+) -> None:
+    caplog.set_level(logging.DEBUG)
+    key = KeyStore(tmp_path).add("some", Scope.READ)
+    client.get("/v1/scenes", headers={"Authorization": f"Bearer {key}"})
+    (line,) = [made for made in caplog.records if made.name == "raysvc.http"]
+    assert line.__dict__["fields"]["key_id"] == id_in(key)
+    assert key.rpartition("_")[2] not in caplog.text
+
+
+def test_a_wrong_key_never_reaches_the_log(client: TestClient, caplog: Caplog) -> None:
     caplog.set_level(logging.DEBUG)
     key = f"raysvc_{'1' * 12}_{'2' * 64}"
     client.get("/v1/scenes", headers={"Authorization": f"Bearer {key}"})
