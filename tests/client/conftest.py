@@ -12,23 +12,32 @@ from raysvc.jobs import PatternRenderer
 from tests.live import listening
 
 MakeClient = Callable[..., Client]
+Serve = Callable[..., str]
 
 
 @pytest.fixture
-def make_client(tmp_path: Path) -> Iterator[MakeClient]:
-    """Serve an application that paints patterns, and talk to it over a socket."""
+def serve(tmp_path: Path) -> Iterator[Serve]:
+    """Serve an application that paints patterns over a socket; returns its address."""
     with ExitStack() as stack:
 
-        def make(
-            renderer: PatternRenderer | None = None, key: str | None = None, **settings: Any
-        ) -> Client:
+        def serve_one(renderer: PatternRenderer | None = None, **settings: Any) -> str:
             settings = {"data_dir": tmp_path / "data", "grace_s": 0.2, "queue_size": 2, **settings}
             app = create_app(
                 ApiSettings(**settings),
                 lambda scenes, environments, limits: renderer or PatternRenderer(),
             )
-            url = stack.enter_context(listening(app))
-            return stack.enter_context(Client(url, key, patience_s=5.0))
+            return stack.enter_context(listening(app))
+
+        yield serve_one
+
+
+@pytest.fixture
+def make_client(serve: Serve) -> Iterator[MakeClient]:
+    """Serve an application, and talk to it."""
+    with ExitStack() as stack:
+
+        def make(renderer: PatternRenderer | None = None, **settings: Any) -> Client:
+            return stack.enter_context(Client(serve(renderer, **settings), patience_s=5.0))
 
         yield make
 

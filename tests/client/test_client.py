@@ -23,7 +23,7 @@ from raysvc.errors import (
     Unreachable,
 )
 from raysvc.jobs import PatternRenderer
-from tests.client.conftest import MakeClient
+from tests.client.conftest import MakeClient, Serve
 
 CAMERA = {"width": 8, "height": 4}
 PLY = """ply
@@ -200,16 +200,17 @@ def test_without_patience_a_full_queue_is_an_error(make_client: MakeClient) -> N
             client.renders.submit("builtin:cornell", camera={"width": width, "height": 4})
 
 
-def test_a_key_is_needed_where_there_are_keys(make_client: MakeClient, tmp_path: Path) -> None:
+def test_a_key_is_needed_where_there_are_keys(serve: Serve, tmp_path: Path) -> None:
     keys = KeyStore(tmp_path / "data")
     reader = keys.add("reader", Scope.READ)
     keys.close()
-    with pytest.raises(NotAuthenticated):
-        make_client().scenes.list()
-    client = make_client(key=reader)
-    assert client.scenes.list() == []
-    with pytest.raises(NotAllowed) as raised:
-        client.scenes.add("builtin:cornell")
+    url = serve()
+    with Client(url) as nobody, pytest.raises(NotAuthenticated):
+        nobody.scenes.list()
+    with Client(url, reader) as client:
+        assert client.scenes.list() == []
+        with pytest.raises(NotAllowed) as raised:
+            client.scenes.add("builtin:cornell")
     assert raised.value.scope == "render"
 
 
