@@ -1,14 +1,19 @@
-"""Waiting for jobs: `Prefer: wait=N`, and clients that go away."""
+"""Waiting for work: `Prefer: wait=N`, and clients that go away."""
 
 import asyncio
 import time
-from typing import Final
+from collections.abc import Callable
+from typing import Final, TypeVar
 
 from fastapi import Request
 
+from api.context import Context
 from api.negotiation import wait_seconds
 from raysvc.jobs import Job
 from raysvc.jobs import Request as JobRequest
+from raysvc.parallel import Control
+
+Result = TypeVar("Result")
 
 LISTENING_S: Final = 0.25
 """How often a waiting request looks whether its client is still there."""
@@ -41,3 +46,23 @@ async def wait_for(job: Job[JobRequest], seconds: float, request: Request) -> bo
             return False
         await asyncio.wait({finished}, timeout=min(left, LISTENING_S))
     return True
+
+
+async def for_client(
+    work: Callable[[], Result], control: Control, request: Request, context: Context
+) -> Result:
+    """Return what `work` makes on one of the context's threads, and meanwhile listen.
+
+    A client that goes away cancels `control`, by which the work stops.
+    """
+
+    async def listen() -> None:
+        while not await request.is_disconnected():
+            await asyncio.sleep(LISTENING_S)
+        control.cancel()
+
+    listening = asyncio.create_task(listen())
+    try:
+        return await context.heavy(work)
+    finally:
+        listening.cancel()

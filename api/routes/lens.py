@@ -14,6 +14,7 @@ from api.pictures import ImageQuery
 from api.problems import UnsupportedMediaType
 from api.routes.renders import IMAGE_RESPONSE
 from api.routes.stored import PROBLEM_RESPONSES
+from api.waiting import for_client
 from raysvc.errors import InvalidInput, InvalidSetting
 from raysvc.frame.refocus import CAMERA_FIELDS, SETTINGS_FIELDS, Refocused, linear, refocus
 from raysvc.loading.picture_file import holds_depth, read_depth, read_picture
@@ -64,13 +65,19 @@ LENS_BODY: Final[dict[str, Any]] = {
 async def lens(
     query: Annotated[ImageQuery, Query()], request: Request, context: ContextDep
 ) -> Response:
-    """Give a picture of any renderer depth of field."""
+    """Give a picture of any renderer depth of field; a client that goes away stops it."""
     if not is_multipart(request):
         raise UnsupportedMediaType("send multipart/form-data", field="Content-Type")
     format = query.format or format_for(request.headers.get("accept"))
     form = await read_form(request, len(FILES), context.settings.max_json_bytes)
+    control = Control(deadline_s=context.settings.deadline_s)
+
+    def made() -> tuple[Refocused, bytes]:
+        found = _made(form, context, control)
+        return found, found.encode(format, query.layer)
+
     try:
-        found, data = await context.heavy(lambda: _made(form, context, format, query.layer))
+        found, data = await for_client(made, control, request, context)
     finally:
         form.close()
     headers = {
@@ -83,7 +90,7 @@ async def lens(
     return Response(data, media_type=MEDIA_TYPES[format], headers=headers)
 
 
-def _made(form: Form, context: Context, format: str, layer: str | None) -> tuple[Refocused, bytes]:
+def _made(form: Form, context: Context, control: Control) -> Refocused:
     form.refuse_unknown(FILES, TEXTS)
     camera, settings = (
         parse_object(form.texts[part], part) if part in form.texts else {}
@@ -95,14 +102,13 @@ def _made(form: Form, context: Context, format: str, layer: str | None) -> tuple
     if "depth" not in form.files and not holds_depth(shown):
         raise InvalidInput("is missing, and the picture holds none", field="depth")
     deep = _file(form, "depth") if "depth" in form.files else shown
-    found = refocus(
+    return refocus(
         linear(read_picture(shown, limits)),
         read_depth(deep, limits, scale),
         camera,
         settings,
-        control=Control(deadline_s=context.settings.deadline_s),
+        control=control,
     )
-    return found, found.encode(format, layer)
 
 
 def _file(form: Form, field: str) -> bytes:
