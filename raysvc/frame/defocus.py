@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from raysvc.frame.accumulate import accumulated
 from raysvc.frame.background import behind_scene
 from raysvc.frame.draft import Draft
 from raysvc.frame.torn_pixels import silhouette_pixels, torn_pixels
@@ -21,6 +22,9 @@ def defocus(draft: Draft) -> None:
     coc = coc_px(camera, draft.layers["depth"])
     draft.layers["coc"] = coc
     draft.ledger.max_coc_px = float(np.abs(coc).max())
+    if settings.lens == "accumulate":
+        draft.beauty = accumulated(draft)
+        return
     if settings.lens == "gather":
         draft.beauty = gather(draft.beauty, coc, draft.control)
         return

@@ -10,8 +10,8 @@ import pytest
 from fastapi.testclient import TestClient
 from PIL import Image
 
-from raysvc.imaging.encode_layers import encode_exr, encode_npz
 from raysvc.errors import Cancelled
+from raysvc.imaging.encode_layers import encode_exr, encode_npz
 from raysvc.parallel import Control
 from tests.api.conftest import MakeClient
 
