@@ -28,6 +28,13 @@ from raysvc.version import VERSION
 DIAMETERS_PX: Final = (2, 4, 8, 16, 32, 64, 128)
 LAYERS: Final = 4
 SEED: Final = 1
+FRAMES: Final[Mapping[str, Mapping[str, Any]]] = {
+    "none": {"lens": "none"},
+    "gather": {"lens": "gather"},
+    "spread": {"lens": "spread"},
+    "fine": {"lens": "spread", "aa": "accumulate", "aa_samples": 16},
+}
+"""What is compared, and how it differs from a subject's settings."""
 PINHOLE_M: Final = 1e-9
 """Radius of a lens that blurs nothing, through which pictures can be accumulated all the same."""
 Blur = Callable[[Floats, Floats, Control], Floats]
@@ -58,9 +65,10 @@ class LensTruth:
     against: str
     """`accumulated`: pictures of the same renderer, shaded alike; or `reference` mode."""
     lens: str
-    """`spread`; `gather`; `none`, a frame without a lens against samples without one, which is what
-    the rest of the frame contributes; or `alone`, what `spread` makes of nothing but the sampled
-    picture of `none` and its depth, which is what the lens contributes."""
+    """`spread`; `gather`; `fine`, which spreads what `aa=accumulate` makes of 16 pictures; `none`, a
+    frame without a lens against samples without one, which is what the rest of the frame
+    contributes; or `alone`, what `spread` makes of nothing but the sampled picture of `none` and
+    its depth."""
     max_coc_px: float
     samples: int
     ssim: float
@@ -104,7 +112,7 @@ def bench_lens(
     JSON.
     """
     control = control or Control()
-    steps = Steps((rounds + 1) * len(DIAMETERS_PX) + 7 * len(subjects), control)
+    steps = Steps((rounds + 1) * len(DIAMETERS_PX) + 8 * len(subjects), control)
     with alone(control):
         costs = _costs(size, rounds, steps, control)
         truths = [
@@ -230,9 +238,9 @@ def _truths(
             )
         )
 
-    for lens in ("none", "gather", "spread"):
+    for lens, differs in FRAMES.items():
         steps.next(f"rendering {name}")
-        frame = rendered(subject.view, {"lens": lens})
+        frame = rendered(subject.view, dict(differs))
         stages = {stage.name: stage.seconds for stage in frame.statistics.stages}
         spent, largest_px = stages["lens"] + stages["peel"], frame.statistics.max_coc_px
         for against in ("accumulated", "reference"):

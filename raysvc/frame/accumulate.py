@@ -1,5 +1,7 @@
 """A sampled lens: the mean of pictures through a pinhole that stands at places all over it.
 
+And a sampled pinhole: the mean of pictures from one place.
+
 Haeberli and Akeley 1990, "The Accumulation Buffer: Hardware Support for High-Quality Rendering",
 section 3.2. Every picture is shaded as any frame is; what one gets wrong by chance (shadows,
 occlusion, edges: each has its own seed and its own place in the pixels) the mean evens out. Nothing
@@ -24,20 +26,30 @@ STAGES: Final = (rasterise, peel, write_layers, shadows, gather_ambient, trace_b
 IN_PIXEL, ON_LENS = range(2)
 
 
-def accumulated(draft: Draft) -> Floats:
+def through_lens(draft: Draft) -> Floats:
     """(H, W, 4) float32 premultiplied: the mean of `lens_samples` pictures through the lens.
 
     Light that surfaces send each other is taken from the frame, whose stages up to `light` must
     have run.
     """
+    settings = draft.settings
+    places = _points(settings.seed, ON_LENS, settings.lens_samples)
+    return _mean(draft, on_aperture(settings.aperture, places), "lens")
+
+
+def through_pinhole(draft: Draft) -> Floats:
+    """The same of `aa_samples` pictures through the middle of the lens: anti-aliased wholly."""
+    return _mean(draft, np.zeros((draft.settings.aa_samples, 2)), "edges")
+
+
+def _mean(draft: Draft, on_lens: Doubles, stage: str) -> Floats:
     settings, control = draft.settings, draft.control.quiet()
-    count = settings.lens_samples
-    on_lens = on_aperture(settings.aperture, _points(settings.seed, ON_LENS, count))
+    count = len(on_lens)
     in_pixel = _points(settings.seed, IN_PIXEL, count) - 0.5
     total = np.zeros((*draft.shape, 4))
     for number in range(count):
         control.check()
-        draft.control.progress("lens", number / count)
+        draft.control.progress(stage, number / count)
         seed = (settings.seed + 1 + number) % (1 << 32)
         chosen = settings.model_copy(update={**PINHOLE, "seed": seed})
         camera = draft.camera.through_lens(*on_lens[number]).shifted(*in_pixel[number])
@@ -52,10 +64,10 @@ def accumulated(draft: Draft) -> Floats:
             draft.rays.lit_by(illumination),
             draft.environment,
         )
-        for stage in STAGES:
-            stage(picture)
+        for fill in STAGES:
+            fill(picture)
         total += picture.beauty
-    draft.control.progress("lens", 1.0)
+    draft.control.progress(stage, 1.0)
     mean: Floats = (total / count).astype(np.float32)
     return mean
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from raysvc.frame.accumulate import accumulated
+from raysvc.frame.accumulate import through_lens
 from raysvc.frame.background import behind_scene
 from raysvc.frame.draft import Draft
 from raysvc.frame.primary import CHUNK
@@ -25,7 +25,7 @@ def defocus(draft: Draft) -> None:
     draft.layers["coc"] = coc
     draft.ledger.max_coc_px = float(np.abs(coc).max())
     if settings.lens == "accumulate":
-        draft.beauty = accumulated(draft)
+        draft.beauty = through_lens(draft)
         return
     if settings.lens == "gather":
         draft.beauty = gather(draft.beauty, coc, draft.control)

@@ -134,10 +134,11 @@ class Settings(BaseModel):
         le=360,
         description="Turns the opening counter-clockwise; without, one corner is up.",
     )
-    aa: Literal["edges", "directional", "full", "none"] = Field(
+    aa: Literal["edges", "directional", "full", "accumulate", "none"] = Field(
         "edges",
         description="Extra samples on `edges` only, or on the `full` picture; `directional` "
-        "smooths edges along themselves and shades none; or `none`.",
+        "smooths edges along themselves and shades none; `accumulate` takes the mean of whole "
+        "pictures, each with its own shadows and reflections; or `none`.",
     )
     aa_samples: int = Field(
         8, ge=1, le=64, description="Samples per pixel where anti-aliasing applies."

@@ -34,8 +34,8 @@ def test_the_truth_tells_spreading_from_gathering():
         "truth"
     ]
     for against, lenses in (
-        ("accumulated", ["none", "gather", "spread", "alone"]),
-        ("reference", ["none", "gather", "spread"]),
+        ("accumulated", ["none", "gather", "spread", "fine", "alone"]),
+        ("reference", ["none", "gather", "spread", "fine"]),
     ):
         by_lens = {each["lens"]: each for each in truth if each["against"] == against}
         assert list(by_lens) == lenses
@@ -45,7 +45,7 @@ def test_the_truth_tells_spreading_from_gathering():
             assert by_lens[lens]["ssim"] > by_lens["gather"]["ssim"]
         spread = shown[f"still_spread_{against}"].flip_map
         assert np.mean(spread) == pytest.approx(by_lens["spread"]["flip"])
-    assert len(shown) == len(truth) == 7
+    assert len(shown) == len(truth) == 9
 
 
 def test_subjects_have_blur_before_and_behind():
