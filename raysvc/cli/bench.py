@@ -138,7 +138,7 @@ def sat(
 def lens(
     output: Output = None,
     samples: Annotated[
-        int, typer.Option("--samples", min=0, max=65536, help="Of the reference; 0 for none.")
+        int, typer.Option("--samples", min=0, max=65536, help="Of the lens; 0 for none.")
     ] = 0,
     scene: Annotated[
         str | None, typer.Option("--scene", help="One more scene file: DepthOfFieldExample.glb.")

@@ -65,8 +65,8 @@ class LensTruth:
     against: str
     """`accumulated`: pictures of the same renderer, shaded alike; or `reference` mode."""
     lens: str
-    """`spread`; `gather`; `fine`, which spreads what `aa=accumulate` makes of 16 pictures; `none`, a
-    frame without a lens against samples without one, which is what the rest of the frame
+    """`spread`; `gather`; `fine`, which spreads what `aa=accumulate` makes of 16 pictures; `none`,
+    a frame without a lens against samples without one, which is what the rest of the frame
     contributes; or `alone`, what `spread` makes of nothing but the sampled picture of `none` and
     its depth."""
     max_coc_px: float
