@@ -144,7 +144,7 @@ def lens(
         str | None, typer.Option("--scene", help="One more scene file: DepthOfFieldExample.glb.")
     ] = None,
     environment: Annotated[
-        str | None, typer.Option("--environment", "-e", help="What lights that scene.")
+        str | None, typer.Option("--environment", "-e", help="What lights it, and shiny too.")
     ] = None,
     pictures: Annotated[
         Path | None, typer.Option("--pictures", help="A folder for pictures.")
