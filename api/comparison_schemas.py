@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic import ConfigDict, Field
 
-from api.schemas import JobResource, job_fields
+from api.schemas import JobResource, job_fields, results_of
 from raysvc.compare.settings import ComparisonSettings
 from raysvc.jobs import ComparisonRequest, Job
 
@@ -45,14 +45,17 @@ class ComparisonResource(JobResource):
     renderer_version: str | None = None
 
 
+def result_links(request: ComparisonRequest) -> dict[str, str]:
+    """What there will be to look at."""
+    links = {"table": "table.csv", "chart": "chart.svg"}
+    return links | {"heat_map": "heat_map.png"} if request.settings.heat_map else links
+
+
 def comparison_resource(job: Job[ComparisonRequest], position: int | None) -> ComparisonResource:
     """Present a comparison."""
     settings = job.request.settings
-    links = {"table": "table.csv", "chart": "chart.svg"}
-    if settings.heat_map:
-        links["heat_map"] = "heat_map.png"
-    known = job_fields(job, position, links)
-    figures = dict(job.statistics) if job.statistics is not None else {}
+    known = job_fields(job, position, result_links(job.request))
+    figures = results_of(job, known["state"]) or {}
     figures |= {
         "scene": job.request.scene,
         "rays": {"kind": settings.rays, "count": settings.count, "seed": settings.seed},

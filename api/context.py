@@ -1,13 +1,14 @@
 """What every route may use."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, TypeVar
 
 import anyio
 import anyio.to_thread
 from fastapi import Depends, Request
 
+from api.metrics import Metrics
 from api.settings import ApiSettings
 from raysvc.jobs import RenderService
 
@@ -21,6 +22,14 @@ class Context:
     settings: ApiSettings
     service: RenderService
     limiter: anyio.CapacityLimiter
+    metrics: Metrics
+
+    readers: anyio.CapacityLimiter = field(kw_only=True)
+    """Threads for uploads: one that is slow to read keeps others waiting, and nobody else."""
+
+    async def reading(self, work: Callable[[], Result]) -> Result:
+        """Run what reads an upload on one of the few threads for that."""
+        return await anyio.to_thread.run_sync(work, limiter=self.readers)
 
     async def heavy(self, work: Callable[[], Result]) -> Result:
         """Run on one of the few threads, so that the event loop and its other threads stay free."""

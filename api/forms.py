@@ -8,10 +8,12 @@ from starlette.datastructures import UploadFile
 from starlette.formparsers import MultiPartException, MultiPartParser
 
 from api.problems import MalformedBody
-from raysvc.errors import InvalidInput
+from raysvc.errors import InvalidInput, LimitExceeded
 from raysvc.jobs import Upload
 
 MAX_FIELDS: Final = 32
+_TOO_MUCH: Final = ("Too many", "Part exceeded")
+"""How Starlette says that a form is larger than it may be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +58,10 @@ def is_multipart(request: Request) -> bool:
 
 
 async def read_form(request: Request, max_files: int, max_field_bytes: int) -> Form:
-    """Read a multipart body; files larger than 1 MB go to temporary files. Raises MalformedBody."""
+    """Read a multipart body; files larger than 1 MB go to temporary files.
+
+    Raises MalformedBody, LimitExceeded.
+    """
     parser = MultiPartParser(
         request.headers,
         request.stream(),
@@ -67,6 +72,8 @@ async def read_form(request: Request, max_files: int, max_field_bytes: int) -> F
     try:
         items = (await parser.parse()).multi_items()
     except MultiPartException as error:
+        if error.message.startswith(_TOO_MUCH):
+            raise LimitExceeded(error.message, field="body") from None
         raise MalformedBody(error.message, field="body") from None
     form = Form({}, {})
     for name, value in items:

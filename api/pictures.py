@@ -42,26 +42,36 @@ async def image_response(
     headers = {"ETag": etag, "Vary": "Accept", "Cache-Control": "private, max-age=86400"}
     if job.statistics is not None and matches(request.headers.get("if-none-match"), etag):
         return Response(status_code=304, headers=headers)
+    data = await context.heavy(lambda: _encoded(job, format, query.layer, context))
+    return Response(data, media_type=MEDIA_TYPES[format], headers=headers | server_timing(job))
+
+
+def server_timing(job: Job[RenderRequest]) -> dict[str, str]:
+    """What a finished render took by stages, as browsers and proxies show it; else nothing."""
+    if job.statistics is None:
+        return {}
+    seconds = {stage["name"]: stage["seconds"] for stage in job.statistics.get("stages", [])}
+    seconds["total"] = job.statistics.get("total_seconds", sum(seconds.values()))
+    timings = [f"{name.replace(' ', '_')};dur={1000 * s:.1f}" for name, s in seconds.items()]
+    return {"Server-Timing": ", ".join(timings)[:LONGEST_HEADER]}
+
+
+def _encoded(job: Job[RenderRequest], format: str, layer: str | None, context: Context) -> bytes:
     picture = context.service.picture(job)
-    if query.layer is not None and query.layer not in picture.layers:
+    if layer is not None and layer not in picture.layers:
         raise InvalidSetting(f"there is {', '.join(picture.layers)}", field="layer")
-    data = await context.heavy(lambda: picture.encode(format, query.layer))
-    return Response(data, media_type=MEDIA_TYPES[format], headers=headers)
+    return picture.encode(format, layer)
 
 
 def statistics_headers(job: Job[RenderRequest]) -> dict[str, str]:
     """Timings for people and tools at hand, and where the rest is."""
     statistics: dict[str, Any] = dict(job.statistics or {})
-    timings = [
-        f"{stage['name'].replace(' ', '_')};dur={1000 * stage['seconds']:.1f}"
-        for stage in statistics.get("stages", [])
-    ]
     warnings = statistics.pop("warnings", [])
     statistics["warnings"] = len(warnings)
     text = json.dumps(statistics, separators=(",", ":"))
     headers = {
         "Link": f'</v1/renders/{job.id}>; rel="describedby"',
-        "Server-Timing": ", ".join(timings)[:LONGEST_HEADER],
+        **server_timing(job),
     }
     if len(text) <= LONGEST_HEADER:
         headers["X-Raysvc-Statistics"] = text

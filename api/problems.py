@@ -1,7 +1,8 @@
 """What went wrong, as RFC 9457 problem details: one table, one shape.
 
 {"type": "urn:raysvc:problem:invalid-scene", "title": "...", "status": 422, "detail": "...",
- "instance": "/v1/scenes", "field": "meshes[0].primitives[0].indices", "retryable": false}
+ "instance": "/v1/scenes", "field": "meshes[0].primitives[0].indices", "retryable": false,
+ "request_id": "..."}
 """
 
 import logging
@@ -16,14 +17,21 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
+from api.access import challenge
+from api.context import Context
+from api.request_ids import HEADER as REQUEST_ID
 from api.responses import SafeJSONResponse
+from api.security_headers import HEADERS
 from raysvc import errors
+from raysvc.jobs import room_needed
 
 logger = logging.getLogger(__name__)
 
 MEDIA_TYPE: Final = "application/problem+json"
 TYPE_PREFIX: Final = "urn:raysvc:problem:"
 LONGEST_DETAIL: Final = 500
+RESTART_S: Final = 10
+"""When to try again what may have gone wrong for as long as a restart or a tidying takes."""
 
 
 class NotAcceptable(errors.RaysvcError):
@@ -82,10 +90,28 @@ PROBLEMS: Final[Mapping[type[errors.RaysvcError], Problem]] = MappingProxyType(
         errors.Unavailable: Problem(
             HTTPStatus.UNPROCESSABLE_ENTITY, "unavailable", "Not available on this machine"
         ),
+        errors.NotAuthenticated: Problem(
+            HTTPStatus.UNAUTHORIZED, "not-authenticated", "A key is needed"
+        ),
+        errors.NotAllowed: Problem(
+            HTTPStatus.FORBIDDEN, "not-allowed", "The key does not reach that far"
+        ),
         errors.QueueFull: Problem(HTTPStatus.TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
+        errors.KeyReused: Problem(
+            HTTPStatus.UNPROCESSABLE_ENTITY, "key-reused", "The key stands for another request"
+        ),
+        errors.Draining: Problem(
+            HTTPStatus.SERVICE_UNAVAILABLE, "draining", "The service is shutting down"
+        ),
+        errors.StorageFull: Problem(
+            HTTPStatus.INSUFFICIENT_STORAGE, "storage-full", "The disk is full"
+        ),
+        errors.Crashed: Problem(
+            HTTPStatus.INTERNAL_SERVER_ERROR, "crashed", "The job ended the process"
+        ),
         errors.Cancelled: Problem(HTTPStatus.CONFLICT, "cancelled", "The job was cancelled"),
         errors.DeadlineExceeded: Problem(
-            HTTPStatus.SERVICE_UNAVAILABLE, "deadline-exceeded", "The job took too long"
+            HTTPStatus.UNPROCESSABLE_ENTITY, "deadline-exceeded", "The job took too long"
         ),
         errors.RaysvcError: Problem(
             HTTPStatus.INTERNAL_SERVER_ERROR, "internal", "Something went wrong in the service"
@@ -116,6 +142,7 @@ def error_body(error: errors.RaysvcError) -> dict[str, Any]:
 def install(app: FastAPI) -> None:
     """Answer every error of the application as a problem."""
     app.add_exception_handler(errors.RaysvcError, _raysvc_error)
+    app.add_exception_handler(OSError, _system_error)
     app.add_exception_handler(HTTPException, _http_exception)
     app.add_exception_handler(RequestValidationError, _validation_error)
     app.add_exception_handler(Exception, _unexpected)
@@ -124,9 +151,17 @@ def install(app: FastAPI) -> None:
 def _answer(
     request: Request, body: dict[str, Any], headers: Mapping[str, str] | None = None
 ) -> SafeJSONResponse:
+    context: Context | None = getattr(request.app.state, "context", None)
+    if context is not None:
+        context.metrics.rejections.labels(body["type"].removeprefix(TYPE_PREFIX)).inc()
     raw_path: bytes = request.scope.get("raw_path") or request.url.path.encode()
     body["instance"] = raw_path.decode("ascii", "replace")
-    return SafeJSONResponse(body, body["status"], headers, MEDIA_TYPE)
+    body["request_id"] = getattr(request.state, "request_id", None)
+    # An unexpected error is answered outside of all middleware, which adds these otherwise.
+    added = dict(HEADERS)
+    if body["request_id"] is not None:
+        added[REQUEST_ID] = body["request_id"]
+    return SafeJSONResponse(body, body["status"], {**added, **(headers or {})}, MEDIA_TYPE)
 
 
 async def _raysvc_error(request: Request, error: Exception) -> SafeJSONResponse:
@@ -134,7 +169,22 @@ async def _raysvc_error(request: Request, error: Exception) -> SafeJSONResponse:
     headers = {}
     if isinstance(error, errors.QueueFull):
         headers["Retry-After"] = str(math.ceil(error.retry_after_s))
+    elif isinstance(error, errors.Draining | errors.StorageFull):
+        headers["Retry-After"] = str(RESTART_S)
+    elif isinstance(error, errors.NotAuthenticated | errors.NotAllowed):
+        headers["WWW-Authenticate"] = challenge(error, "authorization" in request.headers)
     return _answer(request, error_body(error), headers)
+
+
+async def _system_error(request: Request, error: Exception) -> SafeJSONResponse:
+    assert isinstance(error, OSError)
+    try:
+        with room_needed("the request"):
+            raise error
+    except errors.StorageFull as full:
+        return await _raysvc_error(request, full)
+    except OSError:
+        return await _unexpected(request, error)
 
 
 async def _http_exception(request: Request, error: Exception) -> SafeJSONResponse:

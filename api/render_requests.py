@@ -8,18 +8,20 @@ from raysvc.errors import InvalidSetting
 from raysvc.frame.probe import probe_from
 from raysvc.frame.settings import checked, settings_from
 from raysvc.frame.view import View
-from raysvc.jobs import ContentStore, Job, RenderRequest, RenderService
+from raysvc.jobs import ContentStore, IdempotencyKey, Job, RenderRequest, RenderService
 from raysvc.loading.scene_file import BUILTIN_PREFIX
 
 
-def submit(service: RenderService, body: Mapping[str, Any]) -> Job[RenderRequest]:
+def submit(
+    service: RenderService, body: Mapping[str, Any], key: IdempotencyKey | None = None
+) -> Job[RenderRequest]:
     """Check every part of a body and queue it; blocks.
 
-    Raises InvalidInput, NotFound, QueueFull.
+    Raises InvalidInput, NotFound, QueueFull, Draining, StorageFull.
     """
-    for key in body:
-        if key not in RenderBody.model_fields:
-            raise InvalidSetting("unknown key", field=key)
+    for name in body:
+        if name not in RenderBody.model_fields:
+            raise InvalidSetting("unknown key", field=name)
     if "scene" not in body:
         raise InvalidSetting("is missing", field="scene")
     settings = settings_from(_mapping(body, "settings"))
@@ -37,7 +39,7 @@ def submit(service: RenderService, body: Mapping[str, Any]) -> Job[RenderRequest
         settings=settings,
         probe=probe,
     )
-    return service.submit(request)
+    return service.submit(request, key)
 
 
 def _mapping(body: Mapping[str, Any], key: str) -> Mapping[str, Any]:

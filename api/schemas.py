@@ -54,6 +54,7 @@ class ProblemBody(BaseModel):
     instance: str
     field: str | None = Field(description="What was wrong, in the request's own words.")
     retryable: bool = Field(description="Whether the same request may succeed later.")
+    request_id: str | None = Field(description="What the service's log calls the request.")
 
 
 class StoredResource(BaseModel):
@@ -100,6 +101,7 @@ class JobResource(BaseModel):
     stage: str | None = Field(description="What runs now.")
     progress: float = Field(description="How much of the stage is done, 0..1; 1 when done.")
     position: int | None = Field(description="Jobs that run before this one, while it waits.")
+    attempts: int = Field(description="How often it was begun: again, when the process died.")
     created: str
     started: str | None
     finished: str | None
@@ -175,24 +177,26 @@ def job_fields(job: Job[Request], position: int | None, links: Mapping[str, str]
     state = job.state  # read first: what belongs to a state is set before the state is
     path = f"/v1/{job.request.kind}s/{job.id}"
     there = {name: f"{path}/{tail}" for name, tail in links.items() if state is JobState.DONE}
+    events = {} if job.finished.done() else {"events": f"{path}/events"}
     return {
         "id": job.id,
         "state": state,
         "stage": job.stage if state is JobState.RUNNING else None,
         "progress": 1.0 if state is JobState.DONE else job.stage_fraction,
         "position": position,
+        "attempts": job.attempts,
         "created": _time(job.created_s),
         "started": _time(job.started_s) if job.started_s else None,
         "finished": _time(job.finished_s) if job.finished_s else None,
         "error": error_body(job.error) if job.error is not None else None,
-        "links": {"self": path, **there},
+        "links": {"self": path, **events, **there},
     }
 
 
 def render_resource(job: Job[RenderRequest], position: int | None) -> RenderResource:
     """Present a render."""
     known = job_fields(job, position, {"image": "image"})
-    statistics = dict(job.statistics) if job.statistics is not None else None
+    statistics = results_of(job, known["state"])
     return RenderResource(
         **known,
         scene=job.request.scene,
@@ -202,6 +206,11 @@ def render_resource(job: Job[RenderRequest], position: int | None) -> RenderReso
         statistics=statistics,
         warnings=list(statistics.get("warnings", [])) if statistics else [],
     )
+
+
+def results_of(job: Job[Any], state: JobState) -> dict[str, Any] | None:
+    """What is known of a job that was seen in a state: nothing before that said it was done."""
+    return None if state is not JobState.DONE else dict(job.statistics or {})
 
 
 def _environment_asked(request: RenderRequest) -> str | dict[str, Any] | None:

@@ -1,37 +1,36 @@
 """What whoever runs the service may choose, through environment variables RAYSVC_..."""
 
-import dataclasses
-import os
+import re
 from pathlib import Path
+from typing import Annotated
 
-from pydantic import Field, ValidationError
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import Field, ValidationError, field_validator
+from pydantic_settings import NoDecode, SettingsConfigDict
 
+from api.limit_settings import LimitSettings
+from api.logs import LogFormat, LogLevel
+from raysvc.data_folder import default_data_dir
 from raysvc.errors import InvalidSetting
 from raysvc.jobs import ServiceOptions
-from raysvc.limits import DEFAULT_LIMITS, Limits
 
 
-def default_data_dir() -> Path:
-    """Folder for data that a user's programs keep."""
-    home = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(home) / "raysvc"
-
-
-class ApiSettings(BaseSettings):
+class ApiSettings(LimitSettings):
     """Every field is an environment variable: `queue_size` is RAYSVC_QUEUE_SIZE."""
 
     model_config = SettingsConfigDict(env_prefix="RAYSVC_", frozen=True)
 
     data_dir: Path = Field(
         default_factory=default_data_dir,
-        description="Where scenes and environments are kept; one process owns it.",
+        description="Where scenes, environments, jobs and results are kept; one process owns it.",
     )
     queue_size: int = Field(
         16, ge=1, le=100_000, description="Jobs that may wait; one more is answered 429."
     )
     kept_jobs: int = Field(
         1_000, ge=1, description="Jobs that are remembered; the oldest finished one goes first."
+    )
+    key_life_s: float = Field(
+        86_400.0, gt=0, description="How long an `Idempotency-Key` stands for its job."
     )
     deadline_s: float = Field(
         600.0, gt=0, le=86400, description="Time for a job that does not set `deadline_s`."
@@ -43,7 +42,10 @@ class ApiSettings(BaseSettings):
         20.0, ge=0, le=3600, description="Time for the running job when the service stops."
     )
     heavy_threads: int = Field(
-        2, ge=1, le=64, description="Uploads and pictures that are decoded or encoded at a time."
+        2,
+        ge=1,
+        le=64,
+        description="Pictures, and what else takes its time, that are made at a time.",
     )
     scene_memory_bytes: int = Field(
         1 << 30, ge=0, description="Parsed scenes that are kept in memory."
@@ -57,48 +59,38 @@ class ApiSettings(BaseSettings):
     comparison_memory_bytes: int = Field(
         128 << 20, ge=0, description="Finished comparisons that are kept in memory."
     )
-    max_json_bytes: int = Field(1 << 20, ge=1, description="Largest JSON body or form field.")
-    max_upload_bytes: int = Field(
-        DEFAULT_LIMITS.max_scene_bytes, ge=1, description="Largest upload, all files together."
+    scene_disk_bytes: int = Field(
+        8 << 30, ge=0, description="Files of scenes; those not used longest make room."
     )
-    max_upload_files: int = Field(
-        DEFAULT_LIMITS.max_files, ge=1, le=100_000, description="Files in one upload."
+    environment_disk_bytes: int = Field(
+        4 << 30, ge=0, description="Files of environments; those not used longest make room."
     )
-    max_triangles: int = Field(
-        DEFAULT_LIMITS.max_triangles, ge=1, description="Triangles of a scene, instances counted."
+    result_disk_bytes: int = Field(
+        4 << 30,
+        ge=0,
+        description="Files of finished pictures and comparisons; those not used longest make room.",
     )
-    max_image_pixels: int = Field(
-        DEFAULT_LIMITS.max_image_pixels, ge=1, description="Pixels of a picture."
+    cors_origins: Annotated[tuple[str, ...], NoDecode] = Field(
+        (), description="Origins whose pages may call, commas between; `*` is all of them."
     )
-    max_image_side: int = Field(
-        DEFAULT_LIMITS.max_image_side, ge=1, description="Width or height of a picture."
-    )
-    max_paths: int = Field(
-        DEFAULT_LIMITS.max_paths, ge=1, description="Pixels times samples in reference mode."
-    )
-    max_filtered_texels: int = Field(
-        DEFAULT_LIMITS.max_filtered_texels,
-        ge=1,
-        description="All maps together that an environment is filtered to by one request.",
-    )
-    max_comparison_rays: int = Field(
-        DEFAULT_LIMITS.max_comparison_rays, ge=1, description="Rays of a comparison."
-    )
+    log_format: LogFormat = Field("text", description="`text` for people, `json` for machines.")
+    log_level: LogLevel = Field("info", description="`debug`, `info`, `warning` or `error`.")
 
-    def limits(self) -> Limits:
-        """Return the core's limits."""
-        return dataclasses.replace(
-            DEFAULT_LIMITS,
-            max_scene_bytes=self.max_upload_bytes,
-            max_file_bytes=min(DEFAULT_LIMITS.max_file_bytes, self.max_upload_bytes),
-            max_files=self.max_upload_files,
-            max_triangles=self.max_triangles,
-            max_image_pixels=self.max_image_pixels,
-            max_image_side=self.max_image_side,
-            max_paths=self.max_paths,
-            max_filtered_texels=self.max_filtered_texels,
-            max_comparison_rays=self.max_comparison_rays,
-        )
+    @field_validator("cors_origins", mode="before")
+    @classmethod
+    def _split(cls, value: object) -> object:
+        """Take `A,B` apart."""
+        if not isinstance(value, str):
+            return value
+        return tuple(origin.strip() for origin in value.split(",") if origin.strip())
+
+    @field_validator("cors_origins")
+    @classmethod
+    def _check_origins(cls, origins: tuple[str, ...]) -> tuple[str, ...]:
+        for origin in origins:
+            if origin != "*" and not re.fullmatch(r"https?://[^/\s]+", origin):
+                raise ValueError(f"{origin!r} is no origin, such as https://example.org")
+        return origins
 
     def service_options(self) -> ServiceOptions:
         """Return what the core's service may use."""
@@ -106,11 +98,16 @@ class ApiSettings(BaseSettings):
             data_dir=self.data_dir,
             queue_size=self.queue_size,
             kept_jobs=self.kept_jobs,
+            key_life_s=self.key_life_s,
             deadline_s=self.deadline_s,
             scene_memory_bytes=self.scene_memory_bytes,
             environment_memory_bytes=self.environment_memory_bytes,
             result_memory_bytes=self.result_memory_bytes,
             comparison_memory_bytes=self.comparison_memory_bytes,
+            scene_disk_bytes=self.scene_disk_bytes,
+            environment_disk_bytes=self.environment_disk_bytes,
+            result_disk_bytes=self.result_disk_bytes,
+            parsing=self.parser_options(),
             limits=self.limits(),
         )
 

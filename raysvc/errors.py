@@ -7,11 +7,19 @@ RaysvcError
   |   - InvalidSetting      a camera, setting or parameter out of its range, or unknown
   |   - Unsupported         correct, and required, but not something that raysvc can do
   |   - LimitExceeded       larger than the limits allow
+  |   - KeyReused           an idempotency key that stands for another request
   + NotFound                no such scene, environment, render
   + NotFinished             there will be a picture, but not yet
   + Gone                    there was a picture, and it is no longer kept
   + Unavailable             a part of raysvc that this machine cannot run
+  + NotAuthenticated        a key is needed, and none or no good one was sent
+  + NotAllowed              the key is good, but not for this
+  + Unreachable             no service answers there
   + QueueFull               try again later
+  + Draining                the service is about to end and takes no more work
+  + StorageFull             the disk has no room
+  + FolderInUse             another process keeps its data there
+  + Crashed                 the work has ended the process again and again
   + Cancelled               the caller asked to stop
   + DeadlineExceeded        the work took longer than it was given
 """
@@ -55,6 +63,10 @@ class LimitExceeded(InvalidInput):
     """Input larger than the configured limits."""
 
 
+class KeyReused(InvalidInput):
+    """An idempotency key that was sent with another request before."""
+
+
 class NotFound(RaysvcError):
     """Nothing has that name."""
 
@@ -75,6 +87,25 @@ class Unavailable(RaysvcError):
     """A part of raysvc that this machine cannot run, and why."""
 
 
+class NotAuthenticated(RaysvcError):
+    """The service wants a key, and none came with the request, or one that it does not know."""
+
+
+class NotAllowed(RaysvcError):
+    """The key that came with the request does not reach as far as this."""
+
+    def __init__(self, message: str, field: str | None = None, *, scope: str | None = None) -> None:
+        super().__init__(message, field)
+        self.scope = scope
+        """What the key would have to be for."""
+
+
+class Unreachable(RaysvcError):
+    """No service answers at an address, or what answers is none."""
+
+    retryable = True
+
+
 class QueueFull(RaysvcError):
     """More work is waiting than the queue may hold."""
 
@@ -83,6 +114,26 @@ class QueueFull(RaysvcError):
     def __init__(self, message: str, retry_after_s: float) -> None:
         super().__init__(message)
         self.retry_after_s = retry_after_s
+
+
+class Draining(RaysvcError):
+    """The service finishes what it has begun and takes no more work."""
+
+    retryable = True
+
+
+class StorageFull(RaysvcError):
+    """There is no room on the disk for what has to be kept."""
+
+    retryable = True
+
+
+class FolderInUse(RaysvcError):
+    """Another process keeps its data in the same folder."""
+
+
+class Crashed(RaysvcError):
+    """The process ended while it did this work, as often as it may be tried."""
 
 
 class Cancelled(RaysvcError):

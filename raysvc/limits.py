@@ -40,6 +40,8 @@ class Limits:
     """Width or height of a picture to render."""
     max_paths: int = 1 << 32
     """Pixels times samples of a picture in reference mode."""
+    max_render_core_s: float = 3600.0
+    """Estimated seconds of one processor for a picture (`raysvc.frame.cost`)."""
     max_filtered_texels: int = 1 << 20
     """All maps together that an environment is filtered to at once."""
     max_comparison_rays: int = 10_000_000

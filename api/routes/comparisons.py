@@ -3,11 +3,15 @@
 from collections.abc import Callable
 from typing import Any, Final, Literal
 
+import anyio.to_thread
 from fastapi import APIRouter, Request, Response
+from starlette.responses import StreamingResponse
 
 from api.comparison_requests import submit
-from api.comparison_schemas import ComparisonResource, comparison_resource
+from api.comparison_schemas import ComparisonResource, comparison_resource, result_links
 from api.context import Context, ContextDep
+from api.events import EVENTS_PARAMETERS, EVENTS_RESPONSES, events_response
+from api.idempotency import KEY_PARAMETER, key_of
 from api.json_bodies import read_json_object
 from api.negotiation import matches
 from api.responses import SafeJSONResponse
@@ -51,15 +55,14 @@ def _answers(*formats: str) -> dict[int | str, dict[str, Any]]:
         200: {"model": ComparisonResource, "description": "Finished within `Prefer: wait=N`"},
         202: {"model": ComparisonResource},
     },
-    openapi_extra=COMPARISON_BODY,
+    openapi_extra=COMPARISON_BODY | {"parameters": [KEY_PARAMETER]},
 )
 async def add_comparison(request: Request, context: ContextDep) -> Response:
     """Ask for a measurement; with `Prefer: wait=N` the answer waits up to N seconds for it."""
     body = await read_json_object(request, context.settings.max_json_bytes)
-    job = await context.heavy(lambda: submit(context.service, body))
-    status, headers = await answer_to_new(
-        job, f"/v1/comparisons/{job.id}", request, context.settings.wait_max_s
-    )
+    key = key_of(request, body)
+    job = await context.heavy(lambda: submit(context.service, body, key))
+    status, headers = await answer_to_new(job, f"/v1/comparisons/{job.id}", request, context)
     resource = comparison_resource(job, context.service.position(job))
     return SafeJSONResponse(resource.model_dump(mode="json"), status, headers)
 
@@ -117,11 +120,23 @@ async def get_heat_map(
     return await _file(id, f"heat_map.{format}", request, context, drawn)
 
 
+@router.get(
+    "/{id}/events",
+    response_class=StreamingResponse,
+    responses=EVENTS_RESPONSES,
+    openapi_extra=EVENTS_PARAMETERS,
+)
+async def watch_comparison(id: str, request: Request, context: ContextDep) -> Response:
+    """How far a comparison is, told as it changes: Server-Sent Events."""
+    job = await anyio.to_thread.run_sync(context.service.job, id, ComparisonRequest)
+    return events_response(job, result_links(job.request), request, context)
+
+
 @router.delete("/{id}", status_code=202, responses={202: {"model": ComparisonResource}})
 async def cancel_comparison(id: str, context: ContextDep) -> Response:
     """Cancel a comparison that waits or runs; one that has ended stays as it is."""
     job = context.service.job(id, ComparisonRequest)
-    job.cancel()
+    await anyio.to_thread.run_sync(job.cancel)
     resource = comparison_resource(job, context.service.position(job))
     return SafeJSONResponse(resource.model_dump(mode="json"), 202)
 
@@ -139,7 +154,6 @@ async def _file(
     headers = {"ETag": etag, "Cache-Control": "private, max-age=86400"}
     if job.statistics is not None and matches(request.headers.get("if-none-match"), etag):
         return Response(status_code=304, headers=headers)
-    measured = context.service.comparison(job)
-    data = await context.heavy(lambda: make(measured))
+    data = await context.heavy(lambda: make(context.service.comparison(job)))
     media_type = MEDIA_TYPES[name.rpartition(".")[2]]
     return Response(data, media_type=media_type, headers=headers)

@@ -2,7 +2,7 @@
 
 import json
 import math
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, NamedTuple
 
 from fastapi import APIRouter, Query, Request, Response
 
@@ -14,10 +14,12 @@ from api.pictures import ImageQuery
 from api.problems import UnsupportedMediaType
 from api.routes.renders import IMAGE_RESPONSE
 from api.routes.stored import PROBLEM_RESPONSES
+from api.waiting import for_client
 from raysvc.errors import InvalidInput, InvalidSetting
 from raysvc.frame.refocus import CAMERA_FIELDS, SETTINGS_FIELDS, Refocused, linear, refocus
-from raysvc.loading.picture_file import holds_depth, read_depth, read_picture
+from raysvc.loading.picture_file import StoredPicture, holds_depth
 from raysvc.parallel import Control
+from raysvc.types import Floats
 
 router = APIRouter(prefix="/v1/lens", tags=["lens"], responses=PROBLEM_RESPONSES)
 
@@ -64,15 +66,24 @@ LENS_BODY: Final[dict[str, Any]] = {
 async def lens(
     query: Annotated[ImageQuery, Query()], request: Request, context: ContextDep
 ) -> Response:
-    """Give a picture of any renderer depth of field."""
+    """Give a picture of any renderer depth of field; a client that goes away stops it."""
     if not is_multipart(request):
         raise UnsupportedMediaType("send multipart/form-data", field="Content-Type")
     format = query.format or format_for(request.headers.get("accept"))
     form = await read_form(request, len(FILES), context.settings.max_json_bytes)
     try:
-        found, data = await context.heavy(lambda: _made(form, context, format, query.layer))
+        read = await context.reading(lambda: _read(form, context))
     finally:
         form.close()
+    control = Control(deadline_s=context.settings.deadline_s)
+
+    def made() -> tuple[Refocused, bytes]:
+        found = refocus(
+            linear(read.picture), read.depth, read.camera, read.settings, control=control
+        )
+        return found, found.encode(format, query.layer)
+
+    found, data = await for_client(made, control, request, context)
     headers = {
         "Vary": "Accept",
         "Server-Timing": f"lens;dur={1000 * found.seconds:.1f}",
@@ -83,26 +94,28 @@ async def lens(
     return Response(data, media_type=MEDIA_TYPES[format], headers=headers)
 
 
-def _made(form: Form, context: Context, format: str, layer: str | None) -> tuple[Refocused, bytes]:
+class _Asked(NamedTuple):
+    """What a form holds, read."""
+
+    picture: StoredPicture
+    depth: Floats
+    camera: dict[str, Any]
+    settings: dict[str, Any]
+
+
+def _read(form: Form, context: Context) -> _Asked:
     form.refuse_unknown(FILES, TEXTS)
     camera, settings = (
         parse_object(form.texts[part], part) if part in form.texts else {}
         for part in ("camera", "settings")
     )
     scale = _scale(form.texts.get("depth_scale_m"))
-    limits = context.service.limits
+    parser = context.service.parser
     shown = _file(form, "picture")
     if "depth" not in form.files and not holds_depth(shown):
         raise InvalidInput("is missing, and the picture holds none", field="depth")
     deep = _file(form, "depth") if "depth" in form.files else shown
-    found = refocus(
-        linear(read_picture(shown, limits)),
-        read_depth(deep, limits, scale),
-        camera,
-        settings,
-        control=Control(deadline_s=context.settings.deadline_s),
-    )
-    return found, found.encode(format, layer)
+    return _Asked(parser.picture(shown), parser.depth(deep, scale), camera, settings)
 
 
 def _file(form: Form, field: str) -> bytes:

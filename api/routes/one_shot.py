@@ -2,6 +2,7 @@
 
 from typing import Annotated, Any
 
+import anyio.to_thread
 from fastapi import APIRouter, Query, Request, Response
 
 from api.context import Context, ContextDep
@@ -12,7 +13,7 @@ from api.render_requests import submit
 from api.routes.renders import IMAGE_RESPONSE
 from api.routes.stored import PROBLEM_RESPONSES
 from api.waiting import wait_for
-from raysvc.errors import Cancelled, DeadlineExceeded, InvalidInput
+from raysvc.errors import Cancelled, DeadlineExceeded, Draining, InvalidInput
 from raysvc.jobs import ContentStore
 
 router = APIRouter(prefix="/v1/render", tags=["renders"], responses=PROBLEM_RESPONSES)
@@ -66,14 +67,17 @@ async def render(
     if is_multipart(request):
         form = await read_form(request, settings.max_upload_files, settings.max_json_bytes)
         try:
-            body = await context.heavy(lambda: _body_of(form, context))
+            body = await context.reading(lambda: _body_of(form, context))
         finally:
             form.close()
     else:
         body = await read_json_object(request, settings.max_json_bytes)
     job = await context.heavy(lambda: submit(context.service, body))
-    if not await wait_for(job, settings.deadline_s, request):
-        job.cancel()
+    request.state.job_id = job.id  # for the log
+    if not await wait_for(job, settings.deadline_s, request, context):
+        if context.service.draining:
+            raise Draining("the service is shutting down; the render goes on in the next process")
+        await anyio.to_thread.run_sync(job.cancel)
         raise DeadlineExceeded(f"no picture within {settings.deadline_s:g} seconds", "deadline_s")
     if job.statistics is None and job.error is None:
         raise Cancelled("the render was cancelled")

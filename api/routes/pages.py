@@ -7,6 +7,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.openapi.docs import get_swagger_ui_html
 
 from api.responses import SafeJSONResponse
+from api.security_headers import POLICY, policy_of_page
 from raysvc.version import VERSION
 
 ASSETS = Path(fastapi_offline.__file__).parent / "static"
@@ -29,6 +30,7 @@ async def root() -> Response:
         "structures": "/v1/structures",
         "live": "/healthz",
         "ready": "/readyz",
+        "metrics": "/metrics",
     }
     return SafeJSONResponse({"service": "raysvc", "version": VERSION, "links": links})
 
@@ -37,10 +39,12 @@ async def root() -> Response:
 async def docs(request: Request) -> Response:
     """Every route, to read and to try."""
     root_path = request.scope.get("root_path", "")
-    return get_swagger_ui_html(
+    page = get_swagger_ui_html(
         openapi_url=f"{root_path}/openapi.json",
         title="raysvc",
         swagger_js_url=f"{root_path}/docs/assets/swagger-ui-bundle.js",
         swagger_css_url=f"{root_path}/docs/assets/swagger-ui.css",
         swagger_favicon_url=f"{root_path}/docs/assets/favicon.png",
     )
+    page.headers[POLICY] = policy_of_page(bytes(page.body))
+    return page

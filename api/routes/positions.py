@@ -11,7 +11,7 @@ from api.responses import SafeJSONResponse
 from api.routes.stored import PROBLEM_RESPONSES
 from api.schemas import SceneResource, scene_resource
 from raysvc.jobs import Record
-from raysvc.loading.shape_file import largest_shape_file, npy_of, read_shape
+from raysvc.loading.shape_file import largest_shape_file, npy_of
 
 router = APIRouter(prefix="/v1/scenes/{id}/positions", tags=["scenes"], responses=PROBLEM_RESPONSES)
 
@@ -59,7 +59,7 @@ async def put_positions(id: str, request: Request, context: ContextDep) -> Respo
     """Make the scene that is this one with its vertices elsewhere; this one stays as it is."""
     vertices = context.service.scenes.record(id).summary["vertices"]
     body = await read_binary(request, largest_shape_file(vertices), MEDIA)
-    record, new = await context.heavy(lambda: _add(context, id, body, vertices))
+    record, new = await context.reading(lambda: _add(context, id, body, vertices))
     resource = scene_resource(record)
     return SafeJSONResponse(
         resource.model_dump(mode="json"), 201 if new else 200, {"Location": resource.links["self"]}
@@ -67,4 +67,4 @@ async def put_positions(id: str, request: Request, context: ContextDep) -> Respo
 
 
 def _add(context: Context, id: str, body: bytearray, vertices: int) -> tuple[Record, bool]:
-    return context.service.scenes.add_shape(id, read_shape(body, vertices))
+    return context.service.scenes.add_shape(id, context.service.parser.shape(body, vertices))

@@ -7,7 +7,8 @@ from fastapi import Request
 from api.context import Context
 from api.forms import is_multipart, read_form
 from api.json_bodies import read_json_object
-from api.schemas import BuiltinBody, ProblemBody
+from api.problems import MEDIA_TYPE
+from api.schemas import BuiltinBody
 from raysvc.frame.settings import checked
 from raysvc.jobs import ContentStore, Record
 
@@ -40,8 +41,13 @@ UPLOAD_BODY: dict[str, Any] = {
     }
 }
 
+PROBLEM_RESPONSE: dict[str, Any] = {
+    "description": "An RFC 9457 problem",
+    "content": {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/ProblemBody"}}},
+}
 PROBLEM_RESPONSES: dict[int | str, dict[str, Any]] = {
-    "4XX": {"model": ProblemBody, "description": "An RFC 9457 problem"}
+    "4XX": PROBLEM_RESPONSE,
+    "5XX": PROBLEM_RESPONSE,
 }
 
 
@@ -56,6 +62,6 @@ async def add(request: Request, context: Context, store: ContentStore[Any]) -> t
     form = await read_form(request, settings.max_upload_files, settings.max_json_bytes)
     try:
         form.refuse_unknown(files={"file"}, texts={"main"})
-        return await context.heavy(lambda: store.add(form.upload("file", form.texts.get("main"))))
+        return await context.reading(lambda: store.add(form.upload("file", form.texts.get("main"))))
     finally:
         form.close()

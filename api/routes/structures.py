@@ -3,10 +3,11 @@
 from fastapi import APIRouter, Response
 
 from api.responses import SafeJSONResponse
+from api.routes.stored import PROBLEM_RESPONSES
 from api.schemas import StructureList, structure_resource
 from raysvc.accel.registry import STRUCTURES
 
-router = APIRouter(prefix="/v1/structures", tags=["structures"])
+router = APIRouter(prefix="/v1/structures", tags=["structures"], responses=PROBLEM_RESPONSES)
 
 
 @router.get("", responses={200: {"model": StructureList}})

@@ -11,9 +11,11 @@ from raysvc.cli.compare import compare
 from raysvc.cli.demo import demo
 from raysvc.cli.filter import filter_environment
 from raysvc.cli.inspect import inspect
+from raysvc.cli.keys import keys
 from raysvc.cli.lens import lens
 from raysvc.cli.render import render
 from raysvc.cli.serve import serve
+from raysvc.cli.settings import settings
 from raysvc.cli.warmup import warmup
 from raysvc.errors import InvalidInput, NotFound, RaysvcError, Unavailable
 from raysvc.version import VERSION
@@ -28,10 +30,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (serve, render, lens, compare, inspect, warmup, demo):
+for command in (serve, settings, render, lens, compare, inspect, warmup, demo):
     app.command()(command)
 app.command("filter")(filter_environment)
 app.add_typer(bench)
+app.add_typer(keys)
 
 
 def _show_version(wanted: bool) -> None:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from raysvc.cli.arguments import camera_mapping, output_format, settings_mapping, writable
+from raysvc.cli.bench_service import service
 from raysvc.cli.progress import progress_bar
 from raysvc.cli.tables import bench_table, frame_tables, sat_tables, show
 from raysvc.compare.benchmark import bench_structures
@@ -138,13 +139,13 @@ def sat(
 def lens(
     output: Output = None,
     samples: Annotated[
-        int, typer.Option("--samples", min=0, max=65536, help="Of the reference; 0 for none.")
+        int, typer.Option("--samples", min=0, max=65536, help="Of the lens; 0 for none.")
     ] = 0,
     scene: Annotated[
         str | None, typer.Option("--scene", help="One more scene file: DepthOfFieldExample.glb.")
     ] = None,
     environment: Annotated[
-        str | None, typer.Option("--environment", "-e", help="What lights that scene.")
+        str | None, typer.Option("--environment", "-e", help="What lights it, and shiny too.")
     ] = None,
     pictures: Annotated[
         Path | None, typer.Option("--pictures", help="A folder for pictures.")
@@ -174,6 +175,9 @@ def lens(
     show(bench_table(measured["results"]))
     if measured["truth"]:
         show(bench_table(measured["truth"]))
+
+
+bench.command()(service)
 
 
 def _check(output: Path | None) -> None:

@@ -8,15 +8,16 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-import httpx
 import typer
 
 from raysvc.cli.arguments import camera_mapping
 from raysvc.cli.progress import progress_bar
 from raysvc.cli.tables import show, stage_table
+from raysvc.client import Client
 from raysvc.errors import RaysvcError
+from raysvc.loading.scene_file import BUILTIN_PREFIX
 
 READY_WITHIN_S = 600.0
 LOOK_EVERY_S = 0.2
@@ -35,30 +36,22 @@ def demo(
     with (
         tempfile.TemporaryDirectory(prefix="raysvc-demo-") as data_dir,
         _service(Path(data_dir)) as url,
-        httpx.Client(base_url=url, timeout=120.0) as client,
+        Client(url, timeout_s=120.0) as client,
+        progress_bar("demo") as report,
     ):
-        with progress_bar("demo") as report:
-            typer.echo("starting the service; the first time it compiles its kernels", err=True)
-            report("getting ready", 0.0)
-            _wait_until_ready(client)
-            typer.echo(f"posting {scene} to {url}/v1/scenes", err=True)
-            stored = _answer(client.post("/v1/scenes", json={"builtin": scene}))
-            if stored["cameras"]:
-                camera["gltf_camera"] = 0
-            body = {"scene": stored["id"], "camera": camera}
-            render = _answer(client.post("/v1/renders", json=body))
-            while render["state"] in ("queued", "running"):
-                time.sleep(LOOK_EVERY_S)
-                render = _answer(client.get(render["links"]["self"]))
-                report(render["stage"] or "rendering", render["progress"])
-        if render["state"] != "done":
-            raise RaysvcError(f"the render {render['state']}: {render['error']}")
+        typer.echo("starting the service; the first time it compiles its kernels", err=True)
+        report("getting ready", 0.0)
+        _wait_until_ready(client)
+        typer.echo(f"posting {scene} to {url}/v1/scenes", err=True)
+        stored = client.scenes.add(f"{BUILTIN_PREFIX}{scene}")
+        if stored.resource["cameras"]:
+            camera["gltf_camera"] = 0
+        render = client.renders.make(stored.id, camera=camera, on_progress=report)
         for format in ("png", "exr"):
-            picture = client.get(render["links"]["image"], params={"format": format})
-            picture.raise_for_status()
-            (folder / f"picture.{format}").write_bytes(picture.content)
-    statistics = render["statistics"]
-    text = json.dumps(statistics, indent=2) + "\n"
+            picture = client.renders.image(render.id, format)
+            (folder / f"picture.{format}").write_bytes(picture)
+    statistics = render.statistics
+    text = json.dumps(dict(statistics), indent=2) + "\n"
     (folder / "stats.json").write_text(text, encoding="utf-8")
     show(stage_table(statistics))
     typer.echo(f"{folder / 'picture.png'}, picture.exr and stats.json are written")
@@ -84,20 +77,10 @@ def _service(data_dir: Path) -> Iterator[str]:
             process.terminate()
 
 
-def _wait_until_ready(client: httpx.Client) -> None:
+def _wait_until_ready(client: Client) -> None:
     end = time.monotonic() + READY_WITHIN_S
     while time.monotonic() < end:
-        try:
-            if client.get("/readyz").is_success:
-                return
-        except httpx.ConnectError:
-            pass  # it does not listen yet
+        if client.ready():
+            return
         time.sleep(LOOK_EVERY_S)
     raise RaysvcError(f"the service was not ready within {READY_WITHIN_S:.0f} s")
-
-
-def _answer(response: httpx.Response) -> dict[str, Any]:
-    body: dict[str, Any] = response.json()
-    if response.is_error:
-        raise RaysvcError(f"{body['title']}: {body['detail']}", body["field"])
-    return body

@@ -1,8 +1,9 @@
 """`raysvc render`: a scene file in, a picture file out."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -17,13 +18,19 @@ from raysvc.cli.arguments import (
     writable,
 )
 from raysvc.cli.progress import progress_bar
+from raysvc.cli.render_remotely import render_remotely
 from raysvc.cli.tables import stage_table
+from raysvc.client import Client
+from raysvc.frame.frame import format_of
 from raysvc.frame.render import render as render_frame
 from raysvc.frame.settings import checked, settings_from
 from raysvc.frame.view import View
 from raysvc.loading import load_environment, load_scene
 from raysvc.loading.shape_file import load_shape
 from raysvc.parallel import Control
+
+PATIENCE_S = 60.0
+"""How long a service may be busy or away."""
 
 
 def render(
@@ -59,6 +66,16 @@ def render(
     stats: Annotated[
         Path | None, typer.Option("--stats", help="A JSON file for timings and counts.")
     ] = None,
+    server: Annotated[
+        str | None,
+        typer.Option(
+            "--server", envvar="RAYSVC_SERVER", help="URL of a service that does the work."
+        ),
+    ] = None,
+    key: Annotated[
+        str | None,
+        typer.Option("--key", envvar="RAYSVC_KEY", help="A key, if the service wants one."),
+    ] = None,
 ) -> None:
     """Render a scene to a picture file."""
     checked_output(output)
@@ -67,6 +84,22 @@ def render(
     settings = settings_from(settings_mapping(set_ or []))
     probe = probe_mapping(probe_at, probe_size, probe_without)
     view = checked(View, camera_mapping(camera, size), "camera")
+    if server is not None:
+        with Client(server, key, patience_s=PATIENCE_S) as client, progress_bar(scene) as report:
+            data, statistics = render_remotely(
+                client,
+                scene,
+                environment,
+                probe,
+                positions,
+                view,
+                settings,
+                format_of(output),
+                report,
+            )
+        output.write_bytes(data)
+        _say(output, statistics, stats)
+        return
 
     with progress_bar(scene) as report:
         report("loading", 0.0)
@@ -79,10 +112,13 @@ def render(
         around = light if probe is None else {**probe, "environment": light}
         frame = render_frame(shown, around, view, settings, control=control)
     frame.save(output)
+    _say(output, frame.statistics.to_dict(), stats)
 
-    statistics = frame.statistics.to_dict()
+
+def _say(output: Path, statistics: Mapping[str, Any], stats: Path | None) -> None:
+    """Tell what the picture took, and what is missing in it."""
     if stats is not None:
-        stats.write_text(json.dumps(statistics, indent=2) + "\n", encoding="utf-8")
+        stats.write_text(json.dumps(dict(statistics), indent=2) + "\n", encoding="utf-8")
     console = Console(stderr=True)
     for warning in statistics["warnings"]:
         console.print(f"warning: {warning}", markup=False, highlight=False)

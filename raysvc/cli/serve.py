@@ -1,5 +1,6 @@
 """`raysvc serve`: the service, on this machine."""
 
+import ipaddress
 import os
 import socket
 from pathlib import Path
@@ -8,7 +9,11 @@ from typing import Annotated
 import typer
 import uvicorn
 
-APPLICATION = "api.app:create_app"
+from raysvc.access import KeyStore
+from raysvc.data_folder import VARIABLE, chosen_data_dir
+from raysvc.errors import InvalidSetting
+
+APPLICATION = "api.serving:served_app"
 """By name: the core never imports `api`."""
 ANSWERS_WITHIN_S = 20
 """Time that open requests have to be answered once the service is told to stop."""
@@ -23,10 +28,14 @@ def serve(
         Path | None,
         typer.Option("--data-dir", help="Where scenes and environments are kept."),
     ] = None,
+    open_: Annotated[
+        bool,
+        typer.Option("--open", help="Let everybody in where there is no key."),
+    ] = False,
 ) -> None:
     """Run the HTTP service until it is told to stop."""
     if data_dir is not None:
-        os.environ["RAYSVC_DATA_DIR"] = str(data_dir)
+        os.environ[VARIABLE] = str(data_dir)
     config = uvicorn.Config(
         APPLICATION,
         factory=True,
@@ -34,11 +43,35 @@ def serve(
         port=port,
         server_header=False,
         timeout_graceful_shutdown=ANSWERS_WITHIN_S,
+        log_config=None,
+        access_log=False,
     )
     listening = _listen(host, port)
+    if not open_ and not is_private(listening) and not _has_keys():
+        listening.close()
+        raise InvalidSetting(
+            f"{host} can be reached from elsewhere, and the service has no key; make one with "
+            "`raysvc keys add NAME`, or say --open to let everybody in",
+            field="--host",
+        )
     address = f"[{host}]" if ":" in host else host
     typer.echo(f"raysvc is at http://{address}:{listening.getsockname()[1]}")
     uvicorn.Server(config).run(sockets=[listening])
+
+
+def is_private(listening: socket.socket) -> bool:
+    """Whether only this machine reaches an address."""
+    if listening.family not in (socket.AF_INET, socket.AF_INET6):
+        return True
+    return ipaddress.ip_address(listening.getsockname()[0].partition("%")[0]).is_loopback
+
+
+def _has_keys() -> bool:
+    keys = KeyStore(chosen_data_dir())
+    try:
+        return keys.guarded
+    finally:
+        keys.close()
 
 
 def _listen(host: str, port: int) -> socket.socket:

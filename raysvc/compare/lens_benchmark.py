@@ -11,6 +11,7 @@ from raysvc.compare.machine import machine
 from raysvc.compare.measure import Steps, alone
 from raysvc.compare.picture_comparison import reference_settings
 from raysvc.compare.picture_difference import PictureDifference, picture_difference
+from raysvc.frame.frame import Frame
 from raysvc.frame.render import render
 from raysvc.frame.settings import Settings
 from raysvc.frame.view import View
@@ -27,6 +28,15 @@ from raysvc.version import VERSION
 DIAMETERS_PX: Final = (2, 4, 8, 16, 32, 64, 128)
 LAYERS: Final = 4
 SEED: Final = 1
+FRAMES: Final[Mapping[str, Mapping[str, Any]]] = {
+    "none": {"lens": "none"},
+    "gather": {"lens": "gather"},
+    "spread": {"lens": "spread"},
+    "fine": {"lens": "spread", "aa": "accumulate", "aa_samples": 16},
+}
+"""What is compared, and how it differs from a subject's settings."""
+PINHOLE_M: Final = 1e-9
+"""Radius of a lens that blurs nothing, through which pictures can be accumulated all the same."""
 Blur = Callable[[Floats, Floats, Control], Floats]
 
 
@@ -49,18 +59,22 @@ class LensCost:
 
 @dataclass(frozen=True, slots=True)
 class LensTruth:
-    """A frame's lens against as many samples of the lens, in reference mode."""
+    """A frame's lens against as many samples of the lens."""
 
     scene: str
+    against: str
+    """`accumulated`: pictures of the same renderer, shaded alike; or `reference` mode."""
     lens: str
-    """`spread`; `gather`; or `none`, a frame without a lens against a reference without one, which
-    is what the rest of the frame contributes."""
+    """`spread`; `gather`; `fine`, which spreads what `aa=accumulate` makes of 16 pictures; `none`,
+    a frame without a lens against samples without one, which is what the rest of the frame
+    contributes; or `alone`, what `spread` makes of nothing but the sampled picture of `none` and
+    its depth."""
     max_coc_px: float
     samples: int
     ssim: float
     flip: float
     seconds: float
-    """Of the lens and of what it needs before: the stages `lens` and `peel`."""
+    """Of the lens and of what it needs before: the stages `lens` and `peel`; 0 for `alone`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,13 +106,13 @@ def bench_lens(
     size
         width and height of the pictures that are timed
     show
-        is given `NAME_LENS` and what was compared
+        is given `NAME_LENS_AGAINST` and what was compared
 
     Returns `machine`, `version`, `rounds`, `results` (LensCost) and `truth` (LensTruth), ready for
     JSON.
     """
     control = control or Control()
-    steps = Steps((rounds + 1) * len(DIAMETERS_PX) + 5 * len(subjects), control)
+    steps = Steps((rounds + 1) * len(DIAMETERS_PX) + 8 * len(subjects), control)
     with alone(control):
         costs = _costs(size, rounds, steps, control)
         truths = [
@@ -180,38 +194,57 @@ def _truths(
     control: Control,
     show: Callable[[str, PictureDifference], None] | None,
 ) -> list[LensTruth]:
-    quiet = control.quiet()
-    found = []
-    references: dict[bool, Floats] = {}
-    for lens in ("none", "gather", "spread"):
-        settings = subject.settings.model_copy(update={"lens": lens})
-        sharp = lens == "none"
-        if sharp not in references:
+    quiet, settings = control.quiet(), subject.settings
+
+    def rendered(view: View, changes: dict[str, Any]) -> Frame:
+        return render(
+            subject.scene,
+            subject.environment,
+            view,
+            settings.model_copy(update=changes),
+            control=quiet,
+        )
+
+    accumulated = {"lens": "accumulate", "lens_samples": samples}
+    reference = reference_settings(settings, samples).model_dump()
+    pinhole = subject.view.model_copy(update={"aperture_radius": PINHOLE_M, "f_number": None})
+    true: dict[tuple[str, bool], Floats] = {}
+    for against, changes in (("accumulated", accumulated), ("reference", reference)):
+        for sharp, view in ((False, subject.view), (True, pinhole)):
             steps.next(f"sampling {name}")
-            true = reference_settings(settings, samples)
-            frame = render(subject.scene, subject.environment, subject.view, true, control=quiet)
-            references[sharp] = frame.layers["beauty"]
-        steps.next(f"rendering {name}")
-        frame = render(subject.scene, subject.environment, subject.view, settings, control=quiet)
+            true[against, sharp] = rendered(view, changes).layers["beauty"]
+    found = []
+
+    def compare(lens: str, against: str, picture: Floats, largest_px: float, spent: float) -> None:
         difference = picture_difference(
-            frame.layers["beauty"],
-            references[sharp],
+            picture,
+            true[against, lens == "none"],
             settings.tone_map,
             settings.exposure_stops,
             quiet,
         )
         if show is not None:
-            show(f"{name}_{lens}", difference)
-        stages = {stage.name: stage.seconds for stage in frame.statistics.stages}
+            show(f"{name}_{lens}_{against}", difference)
         found.append(
             LensTruth(
                 name,
+                against,
                 lens,
-                frame.statistics.max_coc_px,
+                largest_px,
                 samples,
                 ssim(difference.picture, difference.reference),
                 difference.figures.flip,
-                stages["lens"] + stages["peel"],
+                spent,
             )
         )
+
+    for lens, differs in FRAMES.items():
+        steps.next(f"rendering {name}")
+        frame = rendered(subject.view, dict(differs))
+        stages = {stage.name: stage.seconds for stage in frame.statistics.stages}
+        spent, largest_px = stages["lens"] + stages["peel"], frame.statistics.max_coc_px
+        for against in ("accumulated", "reference"):
+            compare(lens, against, frame.layers["beauty"], largest_px, spent)
+    alone = spread(true["accumulated", True], frame.layers["coc"], settings.bokeh, control=quiet)
+    compare("alone", "accumulated", alone, largest_px, 0.0)
     return found

@@ -17,7 +17,8 @@ def lens_subjects(
     """Return scenes seen through a lens, by name; with one more from a file.
 
     That one is looked at as glTF's sample DepthOfFieldExample asks for: its sun has 6,830 lux, and
-    the sky is made as strong as belongs to it.
+    the sky is made as strong as belongs to it. An environment lights it, and lights `shiny` again:
+    one with small lamps makes highlights.
     """
 
     def view(**fields: Any) -> View:
@@ -33,6 +34,9 @@ def lens_subjects(
         "shiny_far": LensSubject(shiny, far, even),
         "fence": LensSubject(load_scene("builtin:fence"), fence, even),
     }
+    if environment is not None:
+        subjects["shiny_near_lit"] = LensSubject(shiny, close, environment)
+        subjects["shiny_far_lit"] = LensSubject(shiny, far, environment)
     if scene is not None:
         sample = view(eye=(0.9, 1.6, 3.6), target=(0.0, 0.5, 0.0), aperture_radius=0.1)
         settings = Settings(environment_strength=1000.0, exposure_stops=-11.0)

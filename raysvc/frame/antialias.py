@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from raysvc.frame.accumulate import through_pinhole
 from raysvc.frame.directional import smooth_edges
 from raysvc.frame.draft import Draft
 from raysvc.frame.edge_candidates import edge_candidates
@@ -34,6 +35,12 @@ def _none(draft: Draft) -> Bools:
 def _full(draft: Draft) -> Bools:
     """Take all samples of all pixels, and shade each."""
     _shade_each(draft, np.arange(draft.camera.width * draft.camera.height), "edges")
+    return np.ones(draft.shape, np.bool_)
+
+
+def _accumulate(draft: Draft) -> Bools:
+    """Take the mean of whole pictures."""
+    draft.beauty = through_pinhole(draft)
     return np.ones(draft.shape, np.bool_)
 
 
@@ -81,5 +88,6 @@ METHODS: Final[dict[str, Callable[[Draft], Bools]]] = {
     "edges": _edges,
     "directional": _directional,
     "full": _full,
+    "accumulate": _accumulate,
 }
 """Each smooths the picture and says which pixels (H, W) it was for."""

@@ -2,14 +2,17 @@
 
 import numpy as np
 
+from raysvc.frame.accumulate import through_lens
 from raysvc.frame.background import behind_scene
 from raysvc.frame.draft import Draft
+from raysvc.frame.primary import CHUNK
 from raysvc.frame.torn_pixels import silhouette_pixels, torn_pixels
 from raysvc.lens.coc import background_coc_px, coc_px
 from raysvc.lens.gather import gather
 from raysvc.lens.points import LensPoints
 from raysvc.lens.slices import SHARP_PX
 from raysvc.lens.spread import spread_points
+from raysvc.parallel import map_chunks
 from raysvc.types import Bools, Floats, Longs
 
 
@@ -21,6 +24,9 @@ def defocus(draft: Draft) -> None:
     coc = coc_px(camera, draft.layers["depth"])
     draft.layers["coc"] = coc
     draft.ledger.max_coc_px = float(np.abs(coc).max())
+    if settings.lens == "accumulate":
+        draft.beauty = through_lens(draft)
+        return
     if settings.lens == "gather":
         draft.beauty = gather(draft.beauty, coc, draft.control)
         return
@@ -57,11 +63,19 @@ def lens_points(draft: Draft) -> LensPoints:
         colour * cover[:, None],
         cover,
     )
+    seen_behind = map_chunks(
+        len(behind),
+        CHUNK,
+        lambda begin, end: behind_scene(
+            draft.prepared, draft.camera, draft.settings, behind[begin:end]
+        ),
+        draft.control,
+    )
     background = LensPoints(
         draft.shape,
         behind,
         np.full(len(behind), background_coc_px(draft.camera), np.float32),
-        behind_scene(draft.prepared, draft.camera, draft.settings, behind),
+        np.concatenate([np.zeros((0, 4), np.float32), *seen_behind]),
         np.ones(len(behind), np.float32),
     )
     found = scene.behind(background)

@@ -97,6 +97,10 @@ def encode_layers(
 
 def save_layers(layers: Mapping[str, NDArray[Any]], settings: Settings, path: Path) -> None:
     """Write layers to a file, as `Frame.save` says."""
+    path.write_bytes(encode_layers(layers, settings, format_of(path)))
+
+
+def format_of(path: Path) -> str:
+    """The format that a file's suffix names; .jpeg is jpg."""
     suffix = path.suffix.lower().lstrip(".")
-    format = "jpg" if suffix == "jpeg" else suffix
-    path.write_bytes(encode_layers(layers, settings, format))
+    return "jpg" if suffix == "jpeg" else suffix

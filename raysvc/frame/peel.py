@@ -117,7 +117,10 @@ def _add(draft: Draft, found: list[Points]) -> None:
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
     draft.hidden = order >= count
-    draft.front = np.where(draft.front >= 0, place[draft.front], -1)
+    front = np.full_like(draft.front, -1)
+    seen = draft.front >= 0  # perhaps nowhere
+    front[seen] = place[draft.front[seen]]
+    draft.front = front
     draft.points = Points(
         pixel[order],
         np.concatenate([part.triangle for part in parts])[order],

@@ -61,20 +61,25 @@ class Prepared:
         return with_rescattering(surface) if self.rescatters else surface
 
 
-def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepared:
+def prepare(
+    scene: Scene, environment: Environment, settings: Settings, control: Control | None = None
+) -> Prepared:
     """Make, or find again, the tables and structures of a scene and the filters of an
-    environment."""
+    environment. Raises Cancelled and DeadlineExceeded, though not while a structure is built."""
     start = time.perf_counter()
+    control = (control or Control(settings.threads)).quiet()
     turned = settings.environment_yaw_deg, settings.environment_strength
     tables, had_tables = tables_of(scene)
+    control.check()
     fit, had_fit = fit_of(scene, tables, settings.structure, settings.trees)
+    control.check()
     filtering = Filtering(
         settings.ibl, settings.ibl_order, settings.sat_builder, settings.ibl_lobe_samples
     )
     light, had_light = _LIGHTS.get(
         environment,
         (turned, filtering),
-        lambda: ImageLight(environment, *turned, filtering, Control(settings.threads)),
+        lambda: ImageLight(environment, *turned, filtering, control),
     )
     cached = had_tables and had_fit and had_light
     warnings: tuple[str, ...] = ()
@@ -91,6 +96,7 @@ def prepare(scene: Scene, environment: Environment, settings: Settings) -> Prepa
         path_lights = Lights(sky, emitters, scene.lights)
         cached = cached and had_sky and had_emitters
     lamps, had_lamps = _LAMPS.get(scene, None, lambda: lamps_of(scene, tables))
+    control.check()
     patches, had_patches = None, True
     if settings.mode == "hybrid" and settings.occlusion_samples > 0:
         patches, had_patches = _PATCHES.get(scene, None, lambda: Patches.of(scene, tables))

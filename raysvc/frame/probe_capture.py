@@ -47,6 +47,7 @@ INDIFFERENT: Final = {
     "mode",
     "samples",
     "passes",
+    "lens_samples",
     "lens_shape",
     "lens_order",
     "lens_layers",

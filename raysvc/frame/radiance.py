@@ -9,6 +9,7 @@ All of it is darkened where there is varnish, which adds the lights and the envi
 own lobe.
 """
 
+import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -75,6 +76,13 @@ class Illumination:
         angle = solid_angle_of_rays(settings.occlusion_samples)
         self._soft = prepared.light.softened(angle)
         self.direct = DirectLight(prepared, settings.shadows, settings.seed, ledger)
+
+    def seeded(self, settings: Settings) -> "Illumination":
+        """Return this illumination, as far as it has settled, with the seed of other settings."""
+        other = copy.copy(self)
+        other._pattern = pattern(settings.occlusion_samples, settings.seed)
+        other.direct = DirectLight(self._prepared, settings.shadows, settings.seed, self._ledger)
+        return other
 
     def settle(self, control: Control) -> None:
         """Find what light surfaces send to each other; `ambient` needs it."""

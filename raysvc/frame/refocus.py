@@ -112,6 +112,8 @@ def refocus(
     """
     view = checked(View, _known(camera or {}, CAMERA_FIELDS, "camera"), "camera")
     chosen = checked(Settings, _known(settings or {}, SETTINGS_FIELDS, "settings"), "settings")
+    if chosen.lens == "accumulate":
+        raise InvalidSetting("accumulate needs a scene", field="settings.lens")
     if picture.ndim != 3 or picture.shape[2] != 4 or depth.shape != picture.shape[:2]:
         raise InvalidInput(
             f"{depth.shape} does not belong to a picture of {picture.shape}", field="depth"

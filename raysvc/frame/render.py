@@ -70,7 +70,7 @@ def render(
     ledger = Ledger()
     with ledger.stage("prepare"):
         control.progress("prepare", 0.0)
-        prepared = prepare(scene, base, settings)
+        prepared = prepare(scene, base, settings, control)
         resolved = focused(resolved, view, prepared)
     illumination = Illumination(
         prepared,

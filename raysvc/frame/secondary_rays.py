@@ -13,6 +13,7 @@ Nothing is left to chance: a ray is not followed where it can add less than LEAS
 it brings.
 """
 
+import copy
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -105,6 +106,12 @@ class SecondaryRays:
         self._organise = ORGANISATIONS[settings.passes, settings.trees]
         self._narrowest_rad = np.float32(narrowest_rad)
         self._probe: ProbeLight | None = None
+
+    def lit_by(self, illumination: Illumination) -> "SecondaryRays":
+        """Return these rays, and the probe that they show, with points lit by another's seed."""
+        other = copy.copy(self)
+        other._illumination = illumination
+        return other
 
     def show(self, probe: ProbeLight) -> None:
         """From now on let a captured probe tell what is reflected, and no rays."""

@@ -96,11 +96,15 @@ class Settings(BaseModel):
         description="Give rough metal back the light that its microfacets scatter more than once, "
         "which glTF's formula loses.",
     )
-    lens: Literal["spread", "gather", "none"] = Field(
+    lens: Literal["spread", "gather", "accumulate", "none"] = Field(
         "spread",
         description="How a camera with an aperture gets its depth of field: by spreading what is "
         "out of focus (`spread`), by averaging about each pixel (`gather`: fast, and wrong at "
-        "silhouettes), or not at all.",
+        "silhouettes), as the mean of `lens_samples` pictures from all over the lens "
+        "(`accumulate`: right, and slow), or not at all.",
+    )
+    lens_samples: int = Field(
+        64, ge=1, le=65536, description="Pictures that `lens=accumulate` takes the mean of."
     )
     lens_shape: Literal["aperture", "box"] = Field(
         "aperture",
@@ -130,10 +134,11 @@ class Settings(BaseModel):
         le=360,
         description="Turns the opening counter-clockwise; without, one corner is up.",
     )
-    aa: Literal["edges", "directional", "full", "none"] = Field(
+    aa: Literal["edges", "directional", "full", "accumulate", "none"] = Field(
         "edges",
         description="Extra samples on `edges` only, or on the `full` picture; `directional` "
-        "smooths edges along themselves and shades none; or `none`.",
+        "smooths edges along themselves and shades none; `accumulate` takes the mean of whole "
+        "pictures, each with its own shadows and reflections; or `none`.",
     )
     aa_samples: int = Field(
         8, ge=1, le=64, description="Samples per pixel where anti-aliasing applies."
@@ -205,13 +210,24 @@ def settings_from(values: Mapping[str, Any] | Settings | None) -> Settings:
 
 
 def check_cost(settings: Settings, camera: Camera, limits: Limits) -> None:
-    """Raise LimitExceeded if a picture would take more paths than the limits allow."""
+    """Raise LimitExceeded if a picture would take more samples than the limits allow."""
     pixels = camera.width * camera.height
     if settings.mode == "reference" and pixels * settings.samples > limits.max_paths:
         raise LimitExceeded(
             f"width x height x samples must be at most {limits.max_paths:,} paths",
             field="settings.samples",
         )
+    if accumulates(settings, camera) and pixels * settings.lens_samples > limits.max_paths:
+        raise LimitExceeded(
+            f"width x height x lens_samples must be at most {limits.max_paths:,}",
+            field="settings.lens_samples",
+        )
+
+
+def accumulates(settings: Settings, camera: Camera) -> bool:
+    """Is a frame the mean of several through the lens?"""
+    through_lens = settings.lens == "accumulate" and camera.aperture_radius > 0.0
+    return through_lens and settings.mode == "hybrid"
 
 
 def checked(model: type[Model], values: object, where: str) -> Model:

@@ -42,10 +42,14 @@ class View(BaseModel):
         None, description="A camera of the scene file, by number or name."
     )
     fov_y_deg: float | None = Field(
-        None, gt=0, lt=180, description="Vertical field of view; 40 by default."
+        None, ge=1e-3, lt=180, description="Vertical field of view; 40 by default."
     )
-    focal_length_mm: float | None = Field(None, gt=0, le=10000, description="Instead of fov_y_deg.")
-    sensor_height_mm: float = Field(24.0, gt=0, le=1000, description="Goes with focal_length_mm.")
+    focal_length_mm: float | None = Field(
+        None, ge=1e-3, le=10000, description="Instead of fov_y_deg."
+    )
+    sensor_height_mm: float = Field(
+        24.0, ge=1e-3, le=1000, description="Goes with focal_length_mm."
+    )
     width: int = Field(1280, ge=1, description="Pixels across.")
     height: int = Field(720, ge=1, description="Pixels down.")
     aperture_radius: float | None = Field(

@@ -1,5 +1,7 @@
 """Compile every kernel that a frame may need, or load it from the cache."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 
 from raysvc.builtin.mesh import Part, scene_of
@@ -7,10 +9,16 @@ from raysvc.builtin.shapes import sheet, sphere
 from raysvc.frame.refocus import refocus
 from raysvc.frame.render import render
 from raysvc.frame.view import View
+from raysvc.lighting.albedo import albedo_tables
+from raysvc.lighting.boundary_albedo import boundary_tables
 from raysvc.parallel import Control
-from raysvc.scene import Material, PunctualLight, Scene, Texture, TextureRef
+from raysvc.scene import Environment, Material, PunctualLight, Scene, Texture, TextureRef
 
 VIEW = View(eye=(0.0, 0.4, 3.0), target=(0.0, 0.0, 0.0), width=32, height=18, aperture_radius=0.05)
+
+
+QUICK = {"aa_samples": 1}
+"""Settings that need the same kernels as the usual ones, and less time."""
 
 
 def warm_up(control: Control | None = None) -> None:
@@ -18,12 +26,26 @@ def warm_up(control: Control | None = None) -> None:
 
     And move a vertex, which is done before a frame, and blur by more than those pictures are.
     """
-    scene = specimen()
-    render(scene, camera=VIEW, settings={"texture_filter": "sat"}, control=control)
-    render(scene, {"probe_at": (0.0, 0.0, 0.0), "size": 16}, VIEW, control=control)
-    render(scene, camera=VIEW, settings={"mode": "reference", "samples": 1}, control=control)
+    scene, sky = specimen(), _sky()
+    with ThreadPoolExecutor(1, thread_name_prefix="raysvc") as aside:
+        # Integrating these leaves the interpreter free to load kernels meanwhile.
+        tables = [aside.submit(make) for make in (albedo_tables, boundary_tables)]
+        once = {**QUICK, "bounces": 1}
+        render(scene, sky, VIEW, {"texture_filter": "sat", **once}, control=control)
+        probe = {"probe_at": (0.0, 0.0, 0.0), "size": 16, "environment": sky}
+        render(scene, probe, VIEW, QUICK, control=control)
+        render(scene, sky, VIEW, {"mode": "reference", "samples": 1}, control=control)
+        for each in tables:
+            each.result()
     scene.deformed(scene.positions)
     _warm_up_lens(control)
+
+
+def _sky() -> Environment:
+    """Grey, with a sun: what filtering tells apart, in few texels."""
+    radiance = np.full((16, 32, 3), 0.5, np.float32)
+    radiance[4, 8] = 20_000.0
+    return Environment(radiance)
 
 
 def _warm_up_lens(control: Control | None) -> None:

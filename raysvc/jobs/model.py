@@ -2,13 +2,14 @@
 
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from types import MappingProxyType
 from typing import Any, Final, Generic, TypeVar
 
-from raysvc.errors import RaysvcError
+from raysvc.errors import Crashed, RaysvcError
 from raysvc.jobs.requests import Request
 from raysvc.parallel import Control
 
@@ -26,27 +27,62 @@ class JobState(StrEnum):
 TRANSITIONS: Final[Mapping[JobState, frozenset[JobState]]] = MappingProxyType(
     {
         JobState.QUEUED: frozenset({JobState.RUNNING, JobState.DONE, JobState.CANCELLED}),
-        JobState.RUNNING: frozenset({JobState.DONE, JobState.FAILED, JobState.CANCELLED}),
+        JobState.RUNNING: frozenset(
+            {JobState.DONE, JobState.FAILED, JobState.CANCELLED, JobState.QUEUED}
+        ),
         JobState.DONE: frozenset(),
         JobState.FAILED: frozenset(),
         JobState.CANCELLED: frozenset(),
     }
 )
-"""What may follow what; a queued job is done at once when its result is already held."""
+"""What may follow what. A queued job is done at once when its result is already held; a running one
+is queued again when the process ends before it does."""
+
+MOST_ATTEMPTS: Final = 3
+"""A job that was running so often when the process died is not tried again."""
+
+REVISIONS_OF_AN_ATTEMPT: Final = 1_000_000
+"""Revisions after a restart are greater than those before it; that of the end is known again."""
+
+
+@dataclass(frozen=True, slots=True)
+class JobRecord:
+    """What outlives the process."""
+
+    id: str
+    request: Request
+    state: JobState
+    attempts: int
+    """How often it was begun; not counted when the process was told to end meanwhile."""
+    cancel_asked: bool
+    stage_fraction: float
+    created_s: float
+    started_s: float | None
+    finished_s: float | None
+    statistics: Mapping[str, Any] | None
+    error: RaysvcError | None
 
 
 Asked = TypeVar("Asked", bound=Request, covariant=True)
 
+Keep = Callable[[JobRecord], None]
+
 
 class Job(Generic[Asked]):
-    """One request on its way to its result. Any thread may look; changes go through methods."""
+    """One request on its way to its result. Any thread may look; changes go through methods.
+
+    Every move is handed to `keep` before anyone can see it.
+    """
 
     def __init__(self, id: str, request: Asked) -> None:
         self.id = id
         self.request = request
         self.state = JobState.QUEUED
+        self.attempts = 0
         self.stage: str | None = None
         self.stage_fraction = 0.0
+        self.revision = 0
+        """Grows with everything that there is to say; see `REVISIONS_OF_AN_ATTEMPT`."""
         self.created_s = time.time()
         self.started_s: float | None = None
         self.finished_s: float | None = None
@@ -54,8 +90,30 @@ class Job(Generic[Asked]):
         self.error: RaysvcError | None = None
         self.finished: Future[None] = Future()
         """Resolved when the job is done, failed or cancelled; its result is always None."""
+        self.keep: Keep = _keep_nothing
+        self._cancel_asked = False
         self._control: Control | None = None
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
+
+    @classmethod
+    def restored(cls, record: JobRecord) -> "Job[Any]":
+        """Return the job that a record was made of; what was running is so no longer."""
+        job: Job[Any] = cls(record.id, record.request)  # type: ignore[arg-type]
+        job.state, job.attempts = record.state, record.attempts
+        ended = not TRANSITIONS[record.state]
+        job.revision = (record.attempts + ended) * REVISIONS_OF_AN_ATTEMPT
+        job.stage_fraction = record.stage_fraction
+        job.created_s, job.started_s = record.created_s, record.started_s
+        job.finished_s, job.statistics = record.finished_s, record.statistics
+        job.error, job._cancel_asked = record.error, record.cancel_asked
+        if ended:
+            job.finished.set_result(None)
+        return job
+
+    def record(self) -> JobRecord:
+        """What there is to keep."""
+        with self._lock:
+            return self._record(self.state)
 
     def start(self, control: Control) -> bool:
         """Begin to run, unless the job was cancelled while it waited."""
@@ -64,45 +122,103 @@ class Job(Generic[Asked]):
                 return False
             self._control = control
             self.started_s = time.time()
+            self.attempts += 1
             self._move(JobState.RUNNING)
             return True
 
     def report(self, stage: str, fraction: float) -> None:
         """Note which stage is running, and how much of it is done."""
         self.stage, self.stage_fraction = stage, fraction
+        self.revision += 1
 
     def finish(self, statistics: Mapping[str, Any]) -> None:
         """The result is there."""
         with self._lock:
-            self.statistics = statistics
-            self._move(JobState.DONE)
+            self._move(JobState.DONE, statistics=statistics)
 
     def fail(self, error: RaysvcError) -> None:
         """There will be no result, and why."""
         with self._lock:
-            self.error = error
-            self._move(JobState.FAILED)
+            self._move(JobState.FAILED, error=error)
 
     def stop(self) -> None:
-        """The running job heeded `cancel`."""
+        """The running job heeded `cancel`, or `interrupt`: then it will run again."""
         with self._lock:
-            self._move(JobState.CANCELLED)
+            if self._cancel_asked:
+                self._move(JobState.CANCELLED)
+            else:
+                self.attempts -= 1
+                self._move(JobState.QUEUED)
+
+    def recover(self) -> None:
+        """The process that ran the job is no more: run it again, unless that was tried enough."""
+        with self._lock:
+            if self._cancel_asked:
+                self._move(JobState.CANCELLED)
+            elif self.attempts >= MOST_ATTEMPTS:
+                self.fail(
+                    Crashed(f"the process ended {self.attempts} times while it did this work")
+                )
+            else:
+                self._move(JobState.QUEUED)
 
     def cancel(self) -> None:
         """Ask for the job to end: at once while it waits, at its next check while it runs."""
         with self._lock:
-            if self.state is JobState.QUEUED:
+            if not TRANSITIONS[self.state]:
+                return
+            self._cancel_asked = True
+            if self._control is not None:
+                self._control.cancel()
+                self.keep(self._record(self.state))
+            else:
                 self._move(JobState.CANCELLED)
-            elif self._control is not None:
+
+    def interrupt(self) -> None:
+        """Ask a running job to end for now."""
+        with self._lock:
+            if self._control is not None:
                 self._control.cancel()
 
-    def _move(self, state: JobState) -> None:
+    def _move(
+        self,
+        state: JobState,
+        statistics: Mapping[str, Any] | None = None,
+        error: RaysvcError | None = None,
+    ) -> None:
         if state not in TRANSITIONS[self.state]:
             raise AssertionError(f"a {self.state} job cannot become {state}")
         ended = not TRANSITIONS[state]
-        if ended:
-            self.finished_s = time.time()
+        finished_s = time.time() if ended else None
+        # Writing takes its time, in which the job is still seen as it was.
+        record = self._record(state)
+        self.keep(replace(record, finished_s=finished_s, statistics=statistics, error=error))
+        self.finished_s, self.statistics, self.error = finished_s, statistics, error
+        if state is not JobState.RUNNING:
             self._control = None
+        if state is JobState.QUEUED:
+            self.stage_fraction = 0.0
         self.state = state  # last: who sees a state sees what belongs to it
+        self.revision += 1
         if ended:
+            self.revision = (self.attempts + 1) * REVISIONS_OF_AN_ATTEMPT
             self.finished.set_result(None)
+
+    def _record(self, state: JobState) -> JobRecord:
+        return JobRecord(
+            self.id,
+            self.request,
+            state,
+            self.attempts,
+            self._cancel_asked,
+            self.stage_fraction,
+            self.created_s,
+            self.started_s,
+            self.finished_s,
+            self.statistics,
+            self.error,
+        )
+
+
+def _keep_nothing(record: JobRecord) -> None:
+    """Until it is accepted, a job is nobody's business."""

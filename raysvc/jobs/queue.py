@@ -3,7 +3,7 @@
 import threading
 from collections import deque
 
-from raysvc.errors import QueueFull
+from raysvc.errors import Draining, QueueFull
 from raysvc.jobs.model import Job, JobState
 from raysvc.jobs.requests import Request
 
@@ -31,16 +31,27 @@ class JobQueue:
         with self._changed:
             return len(self._waiting)
 
-    def put(self, job: Job[Request]) -> None:
-        """Join the line. Raises QueueFull, which says when to try again."""
+    def check_room(self) -> None:
+        """Raise QueueFull, which says when to try again, or Draining, where `put` would."""
         with self._changed:
             self._forget_cancelled()
             if self._closed:
-                raise QueueFull("the service is shutting down", retry_after_s=SHORTEST_RETRY_S)
+                raise Draining("the service is shutting down")
             if len(self._waiting) >= self._size:
                 raise QueueFull(
                     f"{len(self._waiting)} jobs are waiting already", self._retry_after_s()
                 )
+
+    def put(self, job: Job[Request]) -> None:
+        """Join the line. Raises QueueFull, which says when to try again, and Draining."""
+        with self._changed:
+            self.check_room()
+            self._waiting.append(job)
+            self._changed.notify()
+
+    def put_back(self, job: Job[Request]) -> None:
+        """Join the line however long it is: the job was accepted before."""
+        with self._changed:
             self._waiting.append(job)
             self._changed.notify()
 
@@ -66,14 +77,11 @@ class JobQueue:
         with self._changed:
             self._mean_seconds += 0.3 * (seconds - self._mean_seconds)
 
-    def close(self) -> list[Job[Request]]:
-        """Let nobody in or out any more; returns the jobs that were still waiting."""
+    def close(self) -> None:
+        """Let nobody in or out any more; who waits stays in the line."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
-            left = list(self._waiting)
-            self._waiting.clear()
-            return left
 
     def _forget_cancelled(self) -> None:
         self._waiting = deque(job for job in self._waiting if job.state is JobState.QUEUED)

@@ -1,6 +1,5 @@
 """What a service asks for pictures: the contract, and a renderer that only paints a pattern."""
 
-import io
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -8,9 +7,8 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
-from raysvc.errors import InvalidSetting
+from raysvc.jobs.kept_picture import KeptPicture, KeptStatistics
 from raysvc.jobs.requests import RenderRequest
 from raysvc.parallel import Control
 from raysvc.version import VERSION
@@ -49,49 +47,9 @@ class Renderer(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class PatternStatistics:
-    """Size and pace of a pattern."""
-
-    width: int
-    height: int
-    total_seconds: float
-
-    def to_dict(self) -> dict[str, Any]:
-        """Ready for JSON, with the names of a real render's statistics."""
-        return {
-            "width": self.width,
-            "height": self.height,
-            "stages": [{"name": "pattern", "seconds": self.total_seconds}],
-            "total_seconds": self.total_seconds,
-            "rays": {},
-            "warnings": [],
-            "renderer_version": VERSION,
-        }
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Pattern:
-    """A picture of red growing to the right and green growing downwards."""
-
-    layers: Mapping[str, NDArray[Any]]
-    statistics: PatternStatistics
-
-    def encode(self, format: str, layer: str | None = None) -> bytes:
-        """Return a PNG, JPEG or WebP file of the only layer, `beauty`."""
-        if layer not in (None, "beauty"):
-            raise InvalidSetting(f"no layer {layer!r}; there is beauty", field="layer")
-        kinds = {"png": "PNG", "jpg": "JPEG", "webp": "WEBP"}
-        if format not in kinds:
-            raise InvalidSetting(f"a pattern has no {format!r} form", field="format")
-        buffer = io.BytesIO()
-        texels = (self.layers["beauty"][..., :3] * 255).astype(np.uint8)
-        Image.fromarray(texels).save(buffer, kinds[format])
-        return buffer.getvalue()
-
-
-@dataclass(frozen=True, slots=True)
 class PatternRenderer:
-    """Paints a pattern at a given pace, without looking at the scene.
+    """Paints red growing to the right and green growing downwards, at a given pace, without looking
+    at the scene.
 
     For trying out a client, a queue or a deployment without spending processors on it.
     """
@@ -105,7 +63,7 @@ class PatternRenderer:
     def warm_up(self) -> None:
         """There is nothing to warm up."""
 
-    def render(self, request: RenderRequest, control: Control) -> Pattern:
+    def render(self, request: RenderRequest, control: Control) -> KeptPicture:
         """Wait, then paint; stops when told to."""
         for step in range(self.steps):
             control.check()
@@ -118,4 +76,13 @@ class PatternRenderer:
         beauty[..., 0] = np.linspace(0, 1, width, dtype=np.float32)
         beauty[..., 1] = np.linspace(0, 1, height, dtype=np.float32)[:, None]
         beauty[..., 2] = 0.25
-        return Pattern({"beauty": beauty}, PatternStatistics(width, height, self.seconds))
+        statistics = {
+            "width": width,
+            "height": height,
+            "stages": [{"name": "pattern", "seconds": self.seconds}],
+            "total_seconds": self.seconds,
+            "rays": {},
+            "warnings": [],
+            "renderer_version": VERSION,
+        }
+        return KeptPicture({"beauty": beauty}, KeptStatistics(statistics), request.settings)

@@ -8,13 +8,13 @@ then share textures, and their trees are moved from one to the other.
 import hashlib
 import time
 import weakref
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from raysvc.jobs.store import ContentStore, Kind, Record, Upload
+from raysvc.jobs.store import UNBOUNDED, ContentStore, Kind, Record, Upload
 from raysvc.loading.scene_file import BUILTIN_PREFIX
 from raysvc.loading.shape_file import Shape, npz_of, read_shape
 from raysvc.scene import Scene
@@ -28,8 +28,15 @@ SHAPE_FILE: Final = "shape.npz"
 class SceneStore(ContentStore[Scene]):
     """Immutable scenes by name, as they were sent and in other shapes."""
 
-    def __init__(self, folder: Path, kind: Kind[Scene], memory_bytes: int) -> None:
-        super().__init__(folder, kind, memory_bytes)
+    def __init__(
+        self,
+        folder: Path,
+        kind: Kind[Scene],
+        memory_bytes: int,
+        disk_bytes: int = UNBOUNDED,
+        needed: Callable[[], Collection[str]] = frozenset[str],
+    ) -> None:
+        super().__init__(folder, kind, memory_bytes, disk_bytes, needed)
         self._kin: weakref.WeakValueDictionary[str, Scene] = weakref.WeakValueDictionary()
         """By the name of the scene at rest, the shape of it that was last in use."""
 
@@ -90,7 +97,7 @@ class SceneStore(ContentStore[Scene]):
         if record.rest_builtin is not None:
             return self._kind.load(BUILTIN_PREFIX + record.rest_builtin)
         named = dict(zip(record.files, files, strict=False))
-        return self._kind.load(self._kind.open(Upload(named, record.main)))
+        return self._kind.load(Upload(named, record.main))
 
 
 def _files_at_rest(record: Record) -> tuple[str, ...]:

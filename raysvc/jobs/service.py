@@ -1,32 +1,38 @@
 """Stores, queue, worker and results, wired together: the service without its protocol."""
 
 import secrets
-import threading
-from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from raysvc.compare.result import Comparison
 from raysvc.compare.settings import candidates, check_size
-from raysvc.errors import Gone, NotFinished, NotFound
+from raysvc.errors import Gone, NotFinished
+from raysvc.frame.cost import check_estimate
 from raysvc.frame.probe import check_probe
 from raysvc.frame.settings import check_cost
 from raysvc.frame.view import camera_from
+from raysvc.jobs.disk_budget import DiskCounts
+from raysvc.jobs.folder_lock import FolderLock
 from raysvc.jobs.kinds import environment_kind, scene_kind
-from raysvc.jobs.lru import LeastRecentlyUsed
+from raysvc.jobs.ledger import IdempotencyKey, Ledger
+from raysvc.jobs.lru import Counts
 from raysvc.jobs.model import Job, JobState
+from raysvc.jobs.observer import Observer
 from raysvc.jobs.queue import JobQueue
+from raysvc.jobs.register import JobRegister
 from raysvc.jobs.renderer import Picture, Renderer
 from raysvc.jobs.requests import ComparisonRequest, RenderRequest, Request
+from raysvc.jobs.result_folder import ResultFolder
 from raysvc.jobs.results import Results
-from raysvc.jobs.scene_comparer import SceneComparer, comparison_bytes
+from raysvc.jobs.scene_comparer import SceneComparer
 from raysvc.jobs.scene_store import SceneStore
 from raysvc.jobs.store import ContentStore
 from raysvc.jobs.worker import Worker
 from raysvc.limits import DEFAULT_LIMITS, Limits
 from raysvc.parallel import Control
+from raysvc.parsing import DEFAULT_OPTIONS, Parser, ParserOptions
 from raysvc.scene import Environment, Scene
 
 MakeRenderer = Callable[[ContentStore[Scene], ContentStore[Environment], Limits], Renderer]
@@ -34,17 +40,23 @@ MakeRenderer = Callable[[ContentStore[Scene], ContentStore[Environment], Limits]
 
 Asked = TypeVar("Asked", RenderRequest, ComparisonRequest)
 
+SHORTEST_INTERRUPTION_S: Final = 5.0
+"""What an interrupted job is given to notice, even without a grace."""
+
 
 @dataclass(frozen=True, slots=True)
 class ServiceOptions:
     """What a service may use."""
 
     data_dir: Path
-    """Where scenes and environments are kept; made if need be, owned by one process."""
+    """Where scenes, environments, jobs and results are kept; made if need be, owned by one
+    process."""
     queue_size: int = 16
     """How many jobs may wait."""
     kept_jobs: int = 1_000
     """How many jobs are remembered."""
+    key_life_s: float = 86_400.0
+    """How long an idempotency key stands for its job."""
     deadline_s: float | None = 600.0
     """For jobs that do not set their own."""
     scene_memory_bytes: int = 1 << 30
@@ -55,87 +67,156 @@ class ServiceOptions:
     """Finished pictures that are kept in memory."""
     comparison_memory_bytes: int = 128 << 20
     """Finished comparisons, with their heat maps, that are kept in memory."""
+    scene_disk_bytes: int = 8 << 30
+    """Files of scenes; those that were not used longest make room."""
+    environment_disk_bytes: int = 4 << 30
+    """Files of environments."""
+    result_disk_bytes: int = 4 << 30
+    """Files of finished pictures and comparisons."""
+    parsing: ParserOptions = DEFAULT_OPTIONS
+    """The processes that read uploads."""
     limits: Limits = DEFAULT_LIMITS
 
 
 class RenderService:
-    """Takes requests in, hands pictures and comparisons out; `close` when done."""
+    """Takes requests in, hands pictures and comparisons out; `close` when done.
 
-    def __init__(self, options: ServiceOptions, make_renderer: MakeRenderer) -> None:
+    What an earlier process has not finished is taken up again. Raises FolderInUse where another
+    process has the folder.
+    """
+
+    def __init__(
+        self,
+        options: ServiceOptions,
+        make_renderer: MakeRenderer,
+        observer: Observer | None = None,
+    ) -> None:
         self.limits = options.limits
+        folder = options.data_dir
+        self._lock = FolderLock(folder)
+        self._queue = JobQueue(options.queue_size)
+        self._ledger = Ledger(folder, secrets.token_hex(8), options.kept_jobs, options.key_life_s)
+        self._register = JobRegister(self._ledger, self._queue, observer or Observer())
+        # Before the stores, which leave what unfinished jobs need when they make room.
+        self._register.recover()
+        self.parser = Parser(options.parsing, options.limits)
         self.scenes = SceneStore(
-            options.data_dir / "scenes", scene_kind(options.limits), options.scene_memory_bytes
+            folder / "scenes",
+            scene_kind(self.parser),
+            options.scene_memory_bytes,
+            options.scene_disk_bytes,
+            lambda: self._needed("scene"),
         )
         self.environments = ContentStore(
-            options.data_dir / "environments",
-            environment_kind(options.limits),
+            folder / "environments",
+            environment_kind(self.parser),
             options.environment_memory_bytes,
+            options.environment_disk_bytes,
+            lambda: self._needed("environment"),
         )
-        self._results = Results(options.result_memory_bytes)
-        self._queue = JobQueue(options.queue_size)
-        self._comparisons: LeastRecentlyUsed[Comparison] = LeastRecentlyUsed(
-            options.comparison_memory_bytes, comparison_bytes
+        self._results = Results(
+            ResultFolder(folder / "results", options.result_disk_bytes),
+            options.result_memory_bytes,
+            options.comparison_memory_bytes,
         )
         self._renderer = make_renderer(self.scenes, self.environments, options.limits)
         self._comparer = SceneComparer(self.scenes, options.limits)
-        self._worker = Worker(self._queue, self._fulfil, self._renderer.warm_up, options.deadline_s)
-        self._kept_jobs = options.kept_jobs
-        self._jobs: OrderedDict[str, Job[Any]] = OrderedDict()
-        self._lock = threading.Lock()
+        self._worker = Worker(
+            self._queue,
+            self._fulfil,
+            self._renderer.warm_up,
+            options.deadline_s,
+            self._register.beat,
+        )
         self._draining = False
 
     def start(self) -> None:
         """Begin to warm up and to render."""
+        self.parser.start()
         self._worker.start()
+
+    @property
+    def draining(self) -> bool:
+        """Will what waits now wait for another process?"""
+        return self._draining
 
     @property
     def not_ready(self) -> str | None:
         """Why work had better go elsewhere, or None."""
         if self._draining:
             return "draining"
+        if self._worker.stalled:
+            return "stalled"
         return None if self._worker.warm.is_set() else "warming up"
 
-    def submit(self, request: RenderRequest) -> Job[RenderRequest]:
+    @property
+    def waiting(self) -> int:
+        """How many jobs wait."""
+        return len(self._queue)
+
+    @property
+    def caches(self) -> Mapping[str, Counts]:
+        """What is held in memory, and how often it was there when it was asked for."""
+        return {
+            "scenes": self.scenes.counts,
+            "environments": self.environments.counts,
+            "results": self._results.picture_counts,
+            "comparisons": self._results.comparison_counts,
+        }
+
+    @property
+    def folders(self) -> Mapping[str, DiskCounts]:
+        """What is held on the disk, and how often something made room there."""
+        return {
+            "scenes": self.scenes.disk_counts,
+            "environments": self.environments.disk_counts,
+            "results": self._results.disk_counts,
+        }
+
+    def submit(
+        self, request: RenderRequest, key: IdempotencyKey | None = None
+    ) -> Job[RenderRequest]:
         """Accept a render after checking it against its scene; one that is held is done at once.
 
-        Raises InvalidInput, NotFound, QueueFull.
+        It is kept when this returns. A key that was sent before brings the job that it stands for.
+        Raises InvalidInput, NotFound, QueueFull, Draining, StorageFull.
         """
-        scene = self.scenes.get(request.scene)
-        check_cost(request.settings, camera_from(request.camera, scene, self.limits), self.limits)
-        if request.probe is not None:
-            check_probe(request.probe, request.settings, scene)
+        known = self._register.keyed(key, RenderRequest)
+        if known is not None:
+            return known
+        self.scenes.record(request.scene)
         if request.environment is not None:
             self.environments.record(request.environment)
         job = Job(secrets.token_hex(16), request)
-        held = self._results.get(request.name)
+        held = self._results.picture(request)
         if held is not None:
             job.finish(held.statistics.to_dict())
         else:
-            self._queue.put(job)
-        self._remember(job)
-        return job
+            # First of all: a crowd that is turned away should not cost the reading of its scenes.
+            self._queue.check_room()
+            self._check(request)
+        return self._register.accept(job, key)
 
-    def submit_comparison(self, request: ComparisonRequest) -> Job[ComparisonRequest]:
-        """Accept a comparison after checking it against its scene.
+    def submit_comparison(
+        self, request: ComparisonRequest, key: IdempotencyKey | None = None
+    ) -> Job[ComparisonRequest]:
+        """Accept a comparison after checking it against its scene, as `submit` does a render.
 
-        Raises InvalidInput, Unavailable, NotFound, QueueFull.
+        Raises InvalidInput, Unavailable, NotFound, QueueFull, Draining, StorageFull.
         """
+        known = self._register.keyed(key, ComparisonRequest)
+        if known is not None:
+            return known
+        self._queue.check_room()
         scene = self.scenes.get(request.scene)
         camera_from(request.settings.camera, scene, self.limits)
         candidates(request.settings)
         check_size(request.settings, len(scene.triangles), self.limits)
-        job = Job(secrets.token_hex(16), request)
-        self._queue.put(job)
-        self._remember(job)
-        return job
+        return self._register.accept(Job(secrets.token_hex(16), request), key)
 
     def job(self, id: str, kind: type[Asked]) -> Job[Asked]:
         """Return a job that was asked for with such a request. Raises NotFound."""
-        with self._lock:
-            job = self._jobs.get(id)
-        if job is None or not isinstance(job.request, kind):
-            raise NotFound(f"no {kind.kind} {id[:64]!r}", field=kind.kind)
-        return job
+        return self._register.find(id, kind)
 
     def position(self, job: Job[Request]) -> int | None:
         """How many jobs will run before this one, or None if it does not wait."""
@@ -144,7 +225,7 @@ class RenderService:
     def picture(self, job: Job[RenderRequest]) -> Picture:
         """Return a finished job's picture. Raises NotFinished, Gone, or what made the job fail."""
         _check_done(job)
-        picture = self._results.get(job.request.name)
+        picture = self._results.picture(job.request)
         if picture is None:
             raise Gone("the picture made room for newer ones; ask for the render again", "render")
         return picture
@@ -152,46 +233,61 @@ class RenderService:
     def comparison(self, job: Job[ComparisonRequest]) -> Comparison:
         """Return a finished job's figures. Raises NotFinished, Gone, or what made the job fail."""
         _check_done(job)
-        comparison = self._comparisons.get(job.request.name)
+        comparison = self._results.comparison(job.request)
         if comparison is None:
             raise Gone("it made room for newer ones; ask for the comparison again", "comparison")
         return comparison
 
     def drain(self) -> None:
-        """Take no more work; what waits is cancelled, what runs goes on."""
+        """Take no more work; what runs goes on, what waits is left to the next process."""
         self._draining = True
-        for job in self._queue.close():
-            job.cancel()
+        self._queue.close()
 
     def close(self, grace_s: float) -> None:
-        """Drain, give the running job some time, then cancel it."""
+        """Drain, give the running job some time, then interrupt it and let the folder go.
+
+        A job that was interrupted is run again by the next process, from its beginning.
+        """
         self.drain()
-        if not self._worker.join(grace_s):
-            with self._lock:
-                unfinished = [job for job in self._jobs.values() if not job.finished.done()]
-            for job in unfinished:
-                job.cancel()
-            self._worker.join(grace_s)
+        ended = self._worker.join(grace_s)
+        if not ended:
+            for job in self._register.unfinished():
+                job.interrupt()
+            ended = self._worker.join(max(grace_s, SHORTEST_INTERRUPTION_S))
+        self.parser.close()
+        if ended:
+            self._ledger.close()
+            self._lock.release()
+
+    def _check(self, request: RenderRequest) -> None:
+        """Raise InvalidInput for what the scene cannot be asked for, or is too much."""
+        scene = self.scenes.get(request.scene)
+        camera = camera_from(request.camera, scene, self.limits)
+        check_cost(request.settings, camera, self.limits)
+        check_estimate(request.settings, camera, scene, self.limits)
+        if request.probe is not None:
+            check_probe(request.probe, request.settings, scene)
+
+    def _needed(self, kind: str) -> set[str]:
+        """Names of the scenes or environments that jobs are going to read."""
+        requests = [job.request for job in self._register.unfinished()]
+        return {name for request in requests if (name := getattr(request, kind, None)) is not None}
 
     def _fulfil(self, request: Request, control: Control) -> Mapping[str, Any]:
         """Make a picture or a comparison, and keep it."""
         if isinstance(request, ComparisonRequest):
             comparison = self._comparer.compare(request, control)
-            self._comparisons.put(request.name, comparison)
+            self._results.put_comparison(request, comparison)
             return comparison.to_dict()
         assert isinstance(request, RenderRequest)
+        # Another job may have made it meanwhile, or a process that died before it could say so.
+        held = self._results.picture(request) if self._results.has_picture(request) else None
+        if held is not None:
+            return held.statistics.to_dict()
         picture = self._renderer.render(request, control)
         statistics = picture.statistics.to_dict()
-        self._results.put(request.name, picture)
+        self._results.put_picture(request, picture)
         return statistics
-
-    def _remember(self, job: Job[Any]) -> None:
-        with self._lock:
-            self._jobs[job.id] = job
-            surplus = len(self._jobs) - self._kept_jobs
-            finished = [id for id, known in self._jobs.items() if known.finished.done()]
-            for id in finished[: max(surplus, 0)]:
-                del self._jobs[id]
 
 
 def _check_done(job: Job[Request]) -> None:

@@ -5,7 +5,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Final
 
 from raysvc.errors import Cancelled, RaysvcError
 from raysvc.jobs.model import Job
@@ -14,6 +14,9 @@ from raysvc.jobs.requests import Request
 from raysvc.parallel import Control
 
 logger = logging.getLogger(__name__)
+
+PATIENCE_S: Final = 30.0
+"""How long after its deadline a job is thought to be on its way out."""
 
 Fulfil = Callable[[Request, Control], Mapping[str, Any]]
 """Does what a request asks, keeps the result, and returns what there is to say about it."""
@@ -28,6 +31,7 @@ class Worker:
         fulfil: Fulfil,
         warm_up: Callable[[], None],
         deadline_s: float | None,
+        beat: Callable[[Job[Request]], None] = lambda job: None,
     ) -> None:
         self.warm = threading.Event()
         """Set once the first frame would not have to wait for the compiler."""
@@ -35,6 +39,8 @@ class Worker:
         self._fulfil = fulfil
         self._warm_up = warm_up
         self._deadline_s = deadline_s
+        self._beat = beat
+        self._overdue_s: float | None = None
         self._thread = threading.Thread(target=self._run, name="raysvc-worker", daemon=True)
 
     def start(self) -> None:
@@ -46,6 +52,12 @@ class Worker:
         if self._thread.ident is not None:
             self._thread.join(timeout_s)
         return not self._thread.is_alive()
+
+    @property
+    def stalled(self) -> bool:
+        """Does a job still run long after its deadline, deaf to it?"""
+        overdue_s = self._overdue_s
+        return overdue_s is not None and time.monotonic() > overdue_s
 
     def _run(self) -> None:
         try:
@@ -59,12 +71,18 @@ class Worker:
     def _do(self, job: Job[Request]) -> None:
         request = job.request
         deadline_s = request.deadline_s or self._deadline_s
-        control = Control(request.threads, deadline_s, job.report)
+
+        def report(stage: str, fraction: float) -> None:
+            job.report(stage, fraction)
+            self._beat(job)
+
+        control = Control(request.threads, deadline_s, report)
         if not job.start(control):
             return
         began = time.monotonic()
+        self._overdue_s = None if deadline_s is None else began + deadline_s + PATIENCE_S
         try:
-            statistics = self._fulfil(request, control)
+            job.finish(self._fulfil(request, control))
         except Cancelled:
             job.stop()
         except RaysvcError as error:
@@ -74,6 +92,5 @@ class Worker:
         except Exception:
             logger.exception("%s %s failed", request.kind, job.id)
             job.fail(RaysvcError("an internal error; the service's log says more"))
-        else:
-            job.finish(statistics)
+        self._overdue_s = None
         self._queue.took(time.monotonic() - began)

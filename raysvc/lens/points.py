@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from raysvc.errors import InvalidInput
+from raysvc.lens.point_kernels import Columns, merge_by_pixel
 from raysvc.types import Floats, Longs
 
 
@@ -50,11 +51,20 @@ class LensPoints:
 
     def behind(self, hidden: "LensPoints") -> "LensPoints":
         """Return these points with others behind those of the same pixel."""
-        order = np.argsort(np.concatenate([self.pixel, hidden.pixel]), kind="stable")
-        return LensPoints(
-            self.shape,
-            np.concatenate([self.pixel, hidden.pixel])[order],
-            np.concatenate([self.coc_px, hidden.coc_px])[order],
-            np.concatenate([self.rgba, hidden.rgba])[order],
-            np.concatenate([self.cover, hidden.cover])[order],
+        count = len(self.pixel) + len(hidden.pixel)
+        both = Columns(
+            np.empty(count, np.int64),
+            np.empty(count, np.float32),
+            np.empty((count, 4), np.float32),
+            np.empty(count, np.float32),
+        )
+        merge_by_pixel(self._columns(), hidden._columns(), both)
+        return LensPoints(self.shape, *both)
+
+    def _columns(self) -> Columns:
+        return Columns(
+            np.ascontiguousarray(self.pixel),
+            np.ascontiguousarray(self.coc_px),
+            np.ascontiguousarray(self.rgba),
+            np.ascontiguousarray(self.cover),
         )

@@ -25,6 +25,8 @@ def project(positions: Floats, camera: Camera) -> Doubles:
         part = slice(begin, begin + VERTICES)
         local = (positions[part] - camera.eye) @ camera.world_from_camera[:3, :3]
         depth = -local[:, 2]
+        if camera.slant != (0.0, 0.0):
+            local[:, :2] -= np.multiply.outer(depth, camera.slant)
         w = depth if camera.projection == "perspective" else np.ones_like(depth)
         result[part, 0] = local[:, 0] * scale + (0.5 * camera.width - dx) * w
         result[part, 1] = local[:, 1] * -scale + (0.5 * camera.height - dy) * w

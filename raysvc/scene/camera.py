@@ -44,6 +44,24 @@ class Camera:
     offset_px: tuple[float, float] = (0.0, 0.0)
     """Where in the pixel a sample is, from the centre (x to the right, y down)."""
 
+    slant: tuple[float, float] = (0.0, 0.0)
+    """Orthographic: how far rays go to the right and up on their way along the axis."""
+
+    def through_lens(self, right: float, up: float) -> "Camera":
+        """Return the pinhole at a place of the lens, from its middle and in its radii.
+
+        It shows what is in the plane of focus where this camera does.
+        """
+        place = self.aperture_radius * np.array([right, up])
+        moved = self.world_from_camera.copy()
+        moved[:3, 3] += moved[:3, :2] @ place
+        through = replace(self, world_from_camera=moved, aperture_radius=0.0)
+        along = place / self.focus_distance
+        if self.projection == "orthographic":
+            return replace(through, slant=(self.slant[0] - along[0], self.slant[1] - along[1]))
+        along /= self.metres_per_pixel_at_unit_depth
+        return through.shifted(-along[0], along[1])
+
     def shifted(self, dx_px: float, dy_px: float) -> "Camera":
         """Return the camera whose pixel centres lie (dx, dy) pixels to the right and below this
         one's."""
@@ -97,7 +115,11 @@ class Camera:
         across = x[:, None] * right + y[:, None] * up
         if self.projection == "orthographic":
             origins = self.eye + across
-            directions = np.broadcast_to(forward, origins.shape)
+            slanted = forward
+            if self.slant != (0.0, 0.0):
+                slanted = forward + self.slant[0] * right + self.slant[1] * up
+                slanted /= np.linalg.norm(slanted)
+            directions = np.broadcast_to(slanted, origins.shape)
         else:
             directions = across + forward
             directions /= np.sqrt(np.einsum("nk,nk->n", directions, directions))[:, None]

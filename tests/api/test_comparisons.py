@@ -164,7 +164,7 @@ def test_a_body_without_a_scene_is_refused(client: TestClient) -> None:
 def test_a_comparison_that_made_room_keeps_its_figures_but_not_its_files(
     make_client: MakeClient,
 ) -> None:
-    client = make_client(comparison_memory_bytes=1)
+    client = make_client(comparison_memory_bytes=1, result_disk_bytes=1)
     first = done(client)
     done(client)
     assert client.get(first["links"]["self"]).json()["structures"] is not None

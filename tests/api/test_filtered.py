@@ -120,7 +120,7 @@ def test_all_maps_together_have_a_limit(make_client: MakeClient) -> None:
 
 def test_work_ends_at_the_deadline(make_client: MakeClient) -> None:
     response = make_client(deadline_s=1e-9).post(PATH, json=dict(SMALL))
-    assert (response.status_code, response.json()["retryable"]) == (503, True)
+    assert (response.status_code, response.json()["retryable"]) == (422, True)
 
 
 def test_what_is_not_there_or_not_acceptable_is_said(client: TestClient) -> None:

@@ -1,12 +1,15 @@
 """Files made to break loaders: each is taken, or refused as the client's mistake by name."""
 
 import os
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 from fastapi.testclient import TestClient
 
 from tests.api.conftest import MakeClient
+from tests.parsing.test_parser import slow_ply
 
 
 def crafted(assets: Path) -> list[Path]:
@@ -38,3 +41,21 @@ def test_a_real_scene_with_side_files_is_taken(client: TestClient, assets: Path)
     response = client.post("/v1/scenes", files=files)
     assert response.status_code == 201, response.text
     assert response.json()["triangles"] == 94_722
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs rlimits")
+def test_uploads_that_are_slow_to_read_keep_nobody_else_waiting(make_client: MakeClient) -> None:
+    client = make_client(parse_processes=1, heavy_threads=1, parse_s=5, parse_cpu_s=60)
+    client.post("/v1/scenes", files={"file": ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")})
+    slow = {"file": ("slow.ply", slow_ply(600_000))}
+    with ThreadPoolExecutor(1) as pool:
+        uploaded = pool.submit(client.post, "/v1/scenes", files=slow)
+        time.sleep(0.5)
+        began = time.monotonic()
+        rendered = client.post(
+            "/v1/renders", json={"scene": "builtin:cornell", "camera": {"width": 8, "height": 8}}
+        )
+        assert rendered.status_code == 202
+        assert not uploaded.done()
+        assert time.monotonic() - began < 4
+        assert uploaded.result().status_code == 413

@@ -1,14 +1,18 @@
 """A picture and its depth in, the picture through a lens out."""
 
+import asyncio
 import io
 import json
+import time
 
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 from PIL import Image
 
+from raysvc.errors import Cancelled
 from raysvc.imaging.encode_layers import encode_exr, encode_npz
+from raysvc.parallel import Control
 from tests.api.conftest import MakeClient
 
 LENS = {"fov_y_deg": 40, "aperture_radius": 0.4, "focus_distance": 4.0}
@@ -154,3 +158,40 @@ def test_a_picture_over_the_limit_is_refused_before_it_is_blurred(make_client: M
 
 def test_a_body_of_another_kind_is_refused(client: TestClient) -> None:
     assert client.post("/v1/lens", json={}).status_code == 415
+
+
+def test_a_client_that_goes_away_stops_it(client: TestClient, monkeypatch) -> None:
+    stopped = []
+
+    def endless(*_, control: Control) -> None:
+        try:
+            for _ in range(200):
+                control.check()
+                time.sleep(0.05)
+        except Cancelled:
+            stopped.append(True)
+            raise
+
+    monkeypatch.setattr("api.routes.lens.refocus", endless)
+    files = {"picture": ("p", BOTH)}
+    asked = client.build_request("POST", "/v1/lens", files=files, data={"camera": json.dumps(LENS)})
+    received = [
+        {"type": "http.request", "body": asked.read(), "more_body": False},
+        {"type": "http.disconnect"},
+    ]
+    scope = {
+        "type": "http",
+        "method": "POST",
+        "path": "/v1/lens",
+        "query_string": b"",
+        "headers": [(name.lower(), value) for name, value in asked.headers.raw],
+    }
+
+    async def receive() -> dict:
+        return received.pop(0) if len(received) > 1 else received[0]
+
+    async def send(message: dict) -> None:
+        pass
+
+    asyncio.run(client.app(scope, receive, send))
+    assert stopped == [True]

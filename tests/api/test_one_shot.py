@@ -76,11 +76,11 @@ def test_a_picture_that_takes_too_long_is_given_up(make_client: MakeClient) -> N
     slow = PatternRenderer(seconds=30.0, steps=3000)
     body = {"scene": "builtin:cornell", "settings": {"deadline_s": 0.05}}
     response = make_client(slow).post("/v1/render", json=body)
-    assert response.status_code == 503
+    assert response.status_code == 422
     assert response.json()["retryable"] is True
 
 
 def test_an_error_of_the_render_is_the_answer(make_client: MakeClient) -> None:
     client = make_client(PatternRenderer(fault=DeadlineExceeded("too slow", field="deadline_s")))
     response = client.post("/v1/render", json={"scene": "builtin:cornell"})
-    assert (response.status_code, response.json()["field"]) == (503, "deadline_s")
+    assert (response.status_code, response.json()["field"]) == (422, "deadline_s")

@@ -62,7 +62,7 @@ def test_the_service_is_ready_once_it_is_warm(make_client: MakeClient) -> None:
     client.app.state.context.service.drain()  # type: ignore[attr-defined]
     response = client.get("/readyz")
     assert (response.status_code, response.json()) == (503, {"status": "draining"})
-    assert client.post("/v1/renders", json={"scene": "builtin:cornell"}).status_code == 429
+    assert client.post("/v1/renders", json={"scene": "builtin:cornell"}).status_code == 503
 
 
 def test_a_service_that_cannot_warm_up_is_alive_but_not_ready(make_client: MakeClient) -> None:

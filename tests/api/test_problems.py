@@ -61,7 +61,8 @@ def test_a_mistake_is_answered_as_a_problem(client: TestClient, mistake: str) ->
 
 def assert_is_problem(content_type: str, body: dict[str, Any], status: int) -> None:
     assert content_type == "application/problem+json"
-    assert set(body) == {"type", "title", "status", "detail", "instance", "field", "retryable"}
+    about = {"type", "title", "status", "detail", "instance", "field", "retryable", "request_id"}
+    assert set(body) == about
     assert body["status"] == status
     assert body["type"].startswith("urn:raysvc:problem:")
     assert body["title"] and body["detail"]

@@ -55,8 +55,11 @@ def test_a_wait_that_is_too_short_is_answered_as_accepted(make_client: MakeClien
 
 def test_a_full_queue_is_answered_at_once(make_client: MakeClient) -> None:
     client = make_client(SLOW, queue_size=1)
-    statuses = [client.post("/v1/renders", json=body(width=n)).status_code for n in range(1, 5)]
-    assert statuses[0] == 202 and statuses[-1] == 429
+    running = client.post("/v1/renders", json=body(width=1)).headers["Location"]
+    while client.get(running).json()["state"] == "queued":
+        time.sleep(0.01)
+    statuses = [client.post("/v1/renders", json=body(width=n)).status_code for n in range(2, 5)]
+    assert statuses == [202, 429, 429]
     refused = client.post("/v1/renders", json=SMALL)
     assert int(refused.headers["Retry-After"]) >= 1
     assert refused.json()["retryable"] is True
@@ -145,7 +148,7 @@ def test_a_picture_that_the_client_holds_is_not_sent_again(client: TestClient) -
 
 
 def test_a_picture_that_made_room_is_gone(make_client: MakeClient) -> None:
-    client = make_client(result_memory_bytes=1)
+    client = make_client(result_memory_bytes=1, result_disk_bytes=1)
     first = done(client)
     done(client, width=9)
     response = client.get(first["links"]["image"])

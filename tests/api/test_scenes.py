@@ -132,4 +132,4 @@ def test_too_much_is_refused_whether_announced_or_not(
 def test_too_many_files_are_refused(make_client: MakeClient) -> None:
     client = make_client(max_upload_files=3)
     files = [("file", (f"{n}.bin", b"x")) for n in range(5)]
-    assert client.post("/v1/scenes", files=files).status_code == 400
+    assert client.post("/v1/scenes", files=files).status_code == 413

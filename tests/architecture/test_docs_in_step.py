@@ -5,18 +5,25 @@ from pathlib import Path
 
 import pytest
 import typer
+from fastapi.testclient import TestClient
 
+from api.access import SCOPES
 from api.app import create_app
+from api.described_settings import described, shown
 from api.filter_schemas import FilteredBody
+from api.limit_settings import LimitSettings
 from api.problems import PROBLEMS
 from api.settings import ApiSettings
 from raysvc.cli.app import app as command_line
 from raysvc.frame.probe import Probe
 from raysvc.frame.settings import Settings
 from raysvc.frame.view import View
+from raysvc.jobs import PatternRenderer
 
 DOCS = Path(__file__).parents[2] / "docs"
 HTTP = (DOCS / "http.md").read_text(encoding="utf-8")
+LIMITS = (DOCS / "limits.md").read_text(encoding="utf-8")
+RUNNING = (DOCS / "running.md").read_text(encoding="utf-8")
 COMMAND_LINE = (DOCS / "command_line.md").read_text(encoding="utf-8")
 
 
@@ -31,9 +38,19 @@ def test_every_field_of_a_filtering_is_documented(name: str) -> None:
     assert f"| `{name}` |" in section
 
 
-@pytest.mark.parametrize("name", ApiSettings.model_fields)
+@pytest.mark.parametrize("name", ApiSettings.model_fields.keys() - LimitSettings.model_fields)
 def test_every_environment_variable_is_documented(name: str) -> None:
     assert f"| `RAYSVC_{name.upper()}` |" in HTTP
+
+
+def test_the_table_of_limits_is_what_the_settings_say(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in LimitSettings.model_fields:
+        monkeypatch.delenv(f"RAYSVC_{name.upper()}", raising=False)
+    rows = [
+        f"| `{setting.name}` | {shown(setting.name, setting.default)} | {setting.meaning} |"
+        for setting in described(LimitSettings())
+    ]
+    assert [line for line in LIMITS.splitlines() if line.startswith("| `RAYSVC_")] == rows
 
 
 def test_every_route_is_documented(tmp_path: Path) -> None:
@@ -50,6 +67,28 @@ def test_every_route_is_documented(tmp_path: Path) -> None:
 @pytest.mark.parametrize("problem", PROBLEMS.values(), ids=lambda problem: problem.type)
 def test_every_kind_of_problem_is_documented(problem: object) -> None:
     assert f"| `{problem.type}` | {int(problem.status)} |" in HTTP  # type: ignore[attr-defined]
+
+
+def test_the_scope_of_every_route_is_documented() -> None:
+    rows = dict(re.findall(r"^\| (`\w+`|none) \| (`[A-Z]+ /.*) \|$", RUNNING, re.MULTILINE))
+    told = {
+        tuple(route.split()): None if scope == "none" else scope.strip("`")
+        for scope, cell in rows.items()
+        for route in re.findall(r"`([A-Z]+ \S+)`", cell)
+    }
+    assert told == {route: scope and str(scope) for route, scope in SCOPES.items()}
+
+
+def test_every_metric_is_documented(tmp_path: Path) -> None:
+    with TestClient(create_app(ApiSettings(data_dir=tmp_path), pattern_renderer)) as client:
+        text = client.get("/metrics").text
+    names = re.findall(r"^# TYPE (\S+)", text, re.MULTILINE)
+    told = re.findall(r"^\| `(raysvc_\w+)` \|", RUNNING, re.MULTILINE)
+    assert sorted(told) == sorted(names)
+
+
+def pattern_renderer(*_: object) -> PatternRenderer:
+    return PatternRenderer()
 
 
 def commands() -> dict[str, typer.core.TyperCommand]:

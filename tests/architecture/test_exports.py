@@ -2,7 +2,15 @@ import importlib
 
 import pytest
 
-PACKAGES = ["raysvc", "raysvc.builtin", "raysvc.jobs", "raysvc.loading", "raysvc.scene"]
+PACKAGES = [
+    "raysvc",
+    "raysvc.access",
+    "raysvc.builtin",
+    "raysvc.client",
+    "raysvc.jobs",
+    "raysvc.loading",
+    "raysvc.scene",
+]
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -33,18 +33,27 @@ def test_the_truth_tells_spreading_from_gathering():
     truth = bench_lens({"still": subject}, 64, size=(16, 9), rounds=1, show=shown.__setitem__)[
         "truth"
     ]
-    by_lens = {each["lens"]: each for each in truth}
-    assert list(by_lens) == ["none", "gather", "spread"]
-    assert by_lens["none"]["max_coc_px"] == 0 < by_lens["spread"]["max_coc_px"]
-    assert by_lens["spread"]["flip"] < by_lens["gather"]["flip"]
-    assert by_lens["spread"]["ssim"] > by_lens["gather"]["ssim"]
-    assert set(shown) == {"still_none", "still_gather", "still_spread"}
-    assert np.mean(shown["still_spread"].flip_map) == pytest.approx(by_lens["spread"]["flip"])
+    for against, lenses in (
+        ("accumulated", ["none", "gather", "spread", "fine", "alone"]),
+        ("reference", ["none", "gather", "spread", "fine"]),
+    ):
+        by_lens = {each["lens"]: each for each in truth if each["against"] == against}
+        assert list(by_lens) == lenses
+        assert by_lens["none"]["max_coc_px"] == 0 < by_lens["spread"]["max_coc_px"]
+        for lens in lenses[2:]:
+            assert by_lens[lens]["flip"] < by_lens["gather"]["flip"]
+            assert by_lens[lens]["ssim"] > by_lens["gather"]["ssim"]
+        spread = shown[f"still_spread_{against}"].flip_map
+        assert np.mean(spread) == pytest.approx(by_lens["spread"]["flip"])
+    assert len(shown) == len(truth) == 9
 
 
 def test_subjects_have_blur_before_and_behind():
-    subjects = lens_subjects({"width": 64, "height": 36})
-    assert list(subjects) == ["shiny_near", "shiny_far", "fence"]
+    light = constant_environment()
+    subjects = lens_subjects({"width": 64, "height": 36}, "builtin:torus_park", light)
+    lit = ["shiny_near_lit", "shiny_far_lit", "file"]
+    assert list(subjects) == ["shiny_near", "shiny_far", "fence", *lit]
+    assert all(subjects[name].environment is light for name in lit)
     for name, sign in (("shiny_near", -1), ("shiny_far", 1), ("fence", -1)):
         subject = subjects[name]
         frame = raysvc.render(

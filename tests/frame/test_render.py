@@ -296,6 +296,18 @@ def test_a_cancelled_frame_stops() -> None:
     assert reached.is_set()
 
 
+def test_a_frame_that_is_cancelled_at_its_beginning_builds_no_trees(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def progress(stage: str, fraction: float) -> None:
+        control.cancel()
+
+    control = Control(on_progress=progress)
+    monkeypatch.setattr("raysvc.frame.prepared.fit_of", lambda *_: pytest.fail("trees were built"))
+    with pytest.raises(Cancelled):
+        raysvc.render(still_life(), camera=VIEW, control=control)
+
+
 def test_a_deadline_ends_a_frame() -> None:
     with pytest.raises(DeadlineExceeded) as caught:
         raysvc.render(still_life(), camera=VIEW, settings={"deadline_s": 1e-6})

@@ -91,7 +91,7 @@ UNCHANGED: dict[str, object] = {
     "passes": "multi",
     "sat_builder": "doubling",
 }
-TESTED_ELSEWHERE = {"deadline_s", "samples", "aperture_rotation_deg"}
+TESTED_ELSEWHERE = {"deadline_s", "samples", "lens_samples", "aperture_rotation_deg"}
 
 
 def test_the_tables_name_every_setting() -> None:

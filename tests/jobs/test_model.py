@@ -1,12 +1,21 @@
 import itertools
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from raysvc.errors import Cancelled, InvalidScene
-from raysvc.jobs import JobState
-from raysvc.jobs.model import TRANSITIONS
+from raysvc.errors import Cancelled, Crashed, InvalidScene, StorageFull
+from raysvc.jobs import Job, JobState
+from raysvc.jobs.model import MOST_ATTEMPTS, TRANSITIONS, JobRecord
 from raysvc.parallel import Control
 from tests.jobs.requests import job, request
+
+
+def running(attempts: int, cancel_asked: bool = False) -> JobRecord:
+    """What a process that died leaves of a job that it was doing."""
+    return JobRecord(
+        "job", request(), JobState.RUNNING, attempts, cancel_asked, 0.5, 1.0, 2.0, None, None, None
+    )
 
 
 def test_an_end_is_an_end() -> None:
@@ -42,6 +51,116 @@ def test_a_running_job_is_told_to_stop() -> None:
         control.check()
     some.stop()
     assert some.state is JobState.CANCELLED
+
+
+def test_an_interrupted_job_waits_again_and_the_attempt_does_not_count() -> None:
+    some, control = job(), Control()
+    some.start(control)
+    some.report("light", 0.5)
+    some.interrupt()
+    with pytest.raises(Cancelled):
+        control.check()
+    some.stop()
+    assert (some.state, some.attempts, some.stage_fraction) == (JobState.QUEUED, 0, 0.0)
+    assert not some.finished.done()
+    assert some.start(Control())
+
+
+def test_every_move_is_kept_before_it_is_seen() -> None:
+    some, kept = job(), []
+
+    def keep(record: JobRecord) -> None:
+        kept.append((record.state, some.state))
+
+    some.keep = keep
+    some.start(Control())
+    some.finish({})
+    assert kept == [
+        (JobState.RUNNING, JobState.QUEUED),
+        (JobState.DONE, JobState.RUNNING),
+    ]
+
+
+def test_a_move_that_cannot_be_kept_is_not_made() -> None:
+    some = job()
+
+    def keep(record: JobRecord) -> None:
+        raise StorageFull("no room")
+
+    some.keep = keep
+    with pytest.raises(StorageFull):
+        some.cancel()
+    assert some.state is JobState.QUEUED
+
+
+@pytest.mark.parametrize("attempts", range(1, MOST_ATTEMPTS))
+def test_a_job_whose_process_died_waits_again(attempts: int) -> None:
+    some = Job.restored(running(attempts))
+    some.recover()
+    assert (some.state, some.attempts) == (JobState.QUEUED, attempts)
+
+
+def test_a_job_whose_process_died_too_often_fails_and_says_so() -> None:
+    some = Job.restored(running(MOST_ATTEMPTS))
+    some.recover()
+    assert some.state is JobState.FAILED
+    assert isinstance(some.error, Crashed) and "3 times" in some.error.message
+
+
+def test_a_job_that_was_to_be_cancelled_when_its_process_died_is() -> None:
+    some = Job.restored(running(1, cancel_asked=True))
+    some.recover()
+    assert some.state is JobState.CANCELLED
+
+
+def test_revisions_only_grow_also_over_a_restart() -> None:
+    some, revisions = job(), []
+
+    def note() -> None:
+        revisions.append(some.revision)
+
+    some.start(Control())
+    note()
+    some.report("light", 0.5)
+    note()
+    some = Job.restored(some.record())
+    some.recover()
+    note()
+    some.start(Control())
+    note()
+    some.finish({})
+    note()
+    assert revisions == sorted(set(revisions))
+    assert Job.restored(some.record()).revision == some.revision
+
+
+MOVES = {
+    "start": lambda some: some.start(Control()),
+    "finish": lambda some: some.finish({}),
+    "fail": lambda some: some.fail(InvalidScene("broken")),
+    "stop": lambda some: some.stop(),
+    "cancel": lambda some: some.cancel(),
+    "interrupt": lambda some: some.interrupt(),
+    "recover": lambda some: some.recover(),
+}
+
+
+@given(st.lists(st.sampled_from(sorted(MOVES)), max_size=12))
+def test_whatever_is_asked_a_job_moves_as_the_table_says(moves: list[str]) -> None:
+    some = job()
+    kept = [JobState.QUEUED]
+    some.keep = lambda record: kept.append(record.state)
+    for move in moves:
+        before = some.state
+        try:
+            MOVES[move](some)
+        except AssertionError:
+            assert some.state is before
+            kept.pop() if kept[-1] is not before else None
+    for before, after in itertools.pairwise(kept):
+        assert after is before or after in TRANSITIONS[before]
+    assert some.finished.done() == (not TRANSITIONS[some.state])
+    assert (some.finished_s is not None) == some.finished.done()
 
 
 def test_cancelling_what_has_ended_changes_nothing() -> None:

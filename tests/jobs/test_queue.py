@@ -2,7 +2,7 @@ import threading
 
 import pytest
 
-from raysvc.errors import QueueFull
+from raysvc.errors import Draining, QueueFull
 from raysvc.jobs import JobQueue
 from tests.jobs.requests import job
 
@@ -47,11 +47,22 @@ def test_taking_waits_for_a_job() -> None:
     assert taken == [some]
 
 
-def test_closing_ends_the_wait_and_hands_back_what_was_left() -> None:
-    queue = JobQueue(1)
+def test_closing_ends_the_wait_and_leaves_the_line_as_it_is() -> None:
+    queue = JobQueue(2)
     some = job()
     queue.put(some)
-    assert queue.close() == [some]
+    queue.close()
     assert queue.take() is None
-    with pytest.raises(QueueFull, match="shutting down"):
+    assert queue.position(some) == 0
+    with pytest.raises(Draining, match="shutting down"):
         queue.put(job())
+
+
+def test_what_was_accepted_before_joins_a_line_that_is_full() -> None:
+    queue = JobQueue(1)
+    jobs = [job(str(n)) for n in range(3)]
+    for each in jobs:
+        queue.put_back(each)
+    with pytest.raises(QueueFull):
+        queue.check_room()
+    assert [queue.take() for _ in range(3)] == jobs

@@ -11,8 +11,8 @@ import pytest
 from raysvc.errors import InvalidScene, NotFound
 from raysvc.jobs import Record, SceneStore, Upload
 from raysvc.jobs.kinds import scene_kind
-from raysvc.limits import DEFAULT_LIMITS
 from raysvc.loading.shape_file import Shape
+from raysvc.parsing import Parser, ParserOptions
 from tests.api.glb import POSITIONS, glb, gltf
 
 TRIANGLE = np.frombuffer(POSITIONS, np.float32).reshape(3, 3)
@@ -20,7 +20,7 @@ BENT = TRIANGLE + np.float32([[0, 0, 1], [0, 0, 0], [0.5, 0, 0]])
 
 
 def store_in(folder: Path, memory_bytes: int = 1 << 20) -> SceneStore:
-    return SceneStore(folder, scene_kind(DEFAULT_LIMITS), memory_bytes)
+    return SceneStore(folder, scene_kind(Parser(ParserOptions(processes=0))), memory_bytes)
 
 
 def add(store: SceneStore) -> Record:

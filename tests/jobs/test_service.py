@@ -1,18 +1,31 @@
+import errno
+import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from raysvc.errors import Gone, InvalidSetting, NotFinished, NotFound, QueueFull
+from raysvc.errors import (
+    Draining,
+    FolderInUse,
+    Gone,
+    InvalidSetting,
+    NotFinished,
+    NotFound,
+    StorageFull,
+)
 from raysvc.frame.settings import Settings
 from raysvc.frame.view import View
 from raysvc.jobs import JobState, PatternRenderer, RenderRequest, RenderService, ServiceOptions
+from raysvc.jobs.kept_picture import KeptPicture
+from raysvc.parallel import Control
+from raysvc.parsing import ParserOptions
 
 
 def service_in(folder: Path, renderer: PatternRenderer, **options: int) -> RenderService:
     return RenderService(
-        ServiceOptions(folder, **options),  # type: ignore[arg-type]
+        ServiceOptions(folder, parsing=ParserOptions(processes=0), **options),  # type: ignore[arg-type]
         lambda scenes, environments, limits: renderer,
     )
 
@@ -62,7 +75,7 @@ def test_old_jobs_are_forgotten_and_running_ones_are_not(service: RenderService)
 
 
 def test_a_picture_that_is_not_there_yet_or_no_longer_is_said_to_be_so(tmp_path: Path) -> None:
-    service = service_in(tmp_path, PatternRenderer(), result_memory_bytes=1)
+    service = service_in(tmp_path, PatternRenderer(), result_memory_bytes=1, result_disk_bytes=1)
     first = service.submit(request(service))
     with pytest.raises(NotFinished):
         service.picture(first)
@@ -89,7 +102,9 @@ def test_a_failed_job_says_why_every_time_and_gathers_no_frames(tmp_path: Path) 
     service.close(1.0)
 
 
-def test_closing_cancels_what_waits_and_what_runs_too_long(tmp_path: Path) -> None:
+def test_closing_leaves_what_waits_and_what_runs_too_long_to_the_next_process(
+    tmp_path: Path,
+) -> None:
     service = service_in(tmp_path, PatternRenderer(seconds=60.0, steps=6000))
     assert service.not_ready == "warming up"
     service.start()
@@ -100,7 +115,130 @@ def test_closing_cancels_what_waits_and_what_runs_too_long(tmp_path: Path) -> No
     assert service.not_ready is None
     service.close(0.1)
     assert service.not_ready == "draining"
-    assert running.state is JobState.CANCELLED
-    assert waiting.state is JobState.CANCELLED
-    with pytest.raises(QueueFull):
+    assert running.state is waiting.state is JobState.QUEUED
+    with pytest.raises(Draining):
         service.submit(request(service, width=10))
+    following = service_in(tmp_path, PatternRenderer())
+    following.start()
+    for each in (running, waiting):
+        again = following.job(each.id, RenderRequest)
+        again.finished.result(5)
+        assert (again.state, again.attempts) == (JobState.DONE, 1)
+    following.close(1.0)
+
+
+def test_a_picture_survives_a_restart_with_its_bytes_and_is_not_made_again(tmp_path: Path) -> None:
+    service = service_in(tmp_path, PatternRenderer())
+    service.start()
+    asked = request(service, width=64)
+    first = service.submit(asked)
+    first.finished.result(5)
+    files = [service.picture(first).encode(form) for form in ("png", "exr", "npz")]
+    service.close(1.0)
+    following = service_in(tmp_path, PatternRenderer(fault=AssertionError("not again")))
+    following.start()
+    for job in (following.job(first.id, RenderRequest), following.submit(asked)):
+        assert job.state is JobState.DONE
+        assert job.statistics == first.statistics
+        assert [following.picture(job).encode(form) for form in ("png", "exr", "npz")] == files
+    following.close(1.0)
+
+
+def test_a_folder_serves_one_process(tmp_path: Path) -> None:
+    service = service_in(tmp_path, PatternRenderer())
+    with pytest.raises(FolderInUse, match=f"process {os.getpid()}"):
+        service_in(tmp_path, PatternRenderer())
+    service.close(1.0)
+    service_in(tmp_path, PatternRenderer()).close(1.0)
+
+
+def test_two_of_a_request_in_the_line_are_rendered_once(tmp_path: Path) -> None:
+    class Counting(PatternRenderer):
+        pictures = 0
+
+        def render(self, request: RenderRequest, control: Control) -> KeptPicture:
+            Counting.pictures += 1
+            return super().render(request, control)
+
+    service = service_in(tmp_path, Counting())
+    jobs = [service.submit(request(service)) for _ in range(3)]
+    service.start()
+    for job in jobs:
+        job.finished.result(5)
+    assert Counting.pictures == 1
+    service.close(1.0)
+
+
+def test_a_scene_that_a_job_needs_does_not_make_room(tmp_path: Path) -> None:
+    service = service_in(tmp_path, PatternRenderer(), scene_disk_bytes=0)
+    needed = service.submit(request(service)).request.scene
+    service.scenes.add_builtin("glass")
+    newest, _ = service.scenes.add_builtin("shiny")
+    assert {record.id for record in service.scenes.records()} == {needed, newest.id}
+    service.close(1.0)
+
+
+def test_a_start_with_less_room_keeps_what_jobs_are_going_to_read(tmp_path: Path) -> None:
+    first = service_in(tmp_path, PatternRenderer())
+    waiting = first.submit(request(first))
+    first.scenes.add_builtin("glass")
+    unneeded, _ = first.scenes.add_builtin("shiny")
+    first.scenes.add_builtin("fence")
+    first.close(0.1)
+    second = service_in(tmp_path, PatternRenderer(), scene_disk_bytes=1)
+    second.start()
+    again = second.job(waiting.id, RenderRequest)
+    again.finished.result(5)
+    assert again.state is JobState.DONE
+    assert second.scenes.record(waiting.request.scene)
+    with pytest.raises(NotFound):
+        second.scenes.record(unneeded.id)
+    second.close(1.0)
+
+
+def full_disk(*_: object) -> None:
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_a_render_that_finds_no_room_fails_and_the_next_does_not(
+    service: RenderService, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = request(service)
+    with monkeypatch.context() as patch:
+        patch.setattr("raysvc.jobs.durable_file.os.fsync", full_disk)
+        failed = service.submit(asked)
+        failed.finished.result(5)
+    assert failed.state is JobState.FAILED
+    assert isinstance(failed.error, StorageFull) and failed.error.retryable
+    again = service.submit(asked)
+    again.finished.result(5)
+    assert again.state is JobState.DONE
+
+
+def test_older_results_make_room_on_a_full_disk(
+    service: RenderService, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = service.submit(request(service))
+    first.finished.result(5)
+    fsync, refusals = os.fsync, iter([full_disk])
+    monkeypatch.setattr(
+        "raysvc.jobs.durable_file.os.fsync", lambda file: next(refusals, fsync)(file)
+    )
+    second = service.submit(request(service, width=9))
+    second.finished.result(5)
+    assert second.state is JobState.DONE
+    held = {path.name for path in (tmp_path / "results").iterdir() if path.is_file()}
+    assert held == {second.request.name}
+
+
+def test_a_scene_that_finds_no_room_leaves_nothing_behind(
+    service: RenderService, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr("raysvc.jobs.durable_file.os.fsync", full_disk)
+        with pytest.raises(StorageFull, match="the scene"):
+            service.scenes.add_builtin("glass")
+    assert service.scenes.records() == []
+    assert [path.name for path in (tmp_path / "scenes").iterdir()] == ["incoming"]
+    assert not list((tmp_path / "scenes" / "incoming").iterdir())
+    assert service.scenes.add_builtin("glass")[1]

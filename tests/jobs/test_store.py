@@ -7,14 +7,16 @@ import pytest
 from raysvc.errors import InvalidScene, InvalidSetting, NotFound
 from raysvc.jobs import ContentStore, Upload
 from raysvc.jobs.store import Kind
-from raysvc.loading.files import Files
 
 
 def text_kind(loads: list[str] | None = None) -> Kind[str]:
     """Things that are texts: the store does not care."""
 
-    def load(source: str | Files) -> str:
-        text = source if isinstance(source, str) else source.read(source.main).decode()
+    def load(source: str | Upload) -> str:
+        if isinstance(source, str):
+            text = source
+        else:
+            text = source.files[source.main or min(source.files)].decode()
         if loads is not None:
             loads.append(text)
         if text == "builtin:unknown":
@@ -26,7 +28,6 @@ def text_kind(loads: list[str] | None = None) -> Kind[str]:
     return Kind(
         name="text",
         load=load,
-        open=lambda upload: Files.from_memory(upload.files, upload.main or min(upload.files)),
         summarise=lambda text: {"letters": len(text)},
         weigh=len,
     )

@@ -1,3 +1,4 @@
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
@@ -10,28 +11,28 @@ from raysvc.jobs import (
     JobQueue,
     JobState,
     PatternRenderer,
+    Picture,
     RenderRequest,
     Request,
-    Results,
     Worker,
 )
 from raysvc.parallel import Control
 from tests.jobs.requests import job
 
-Start = Callable[[PatternRenderer], tuple[JobQueue, Results]]
+Start = Callable[[PatternRenderer], tuple[JobQueue, dict[str, Picture]]]
 
 
 @pytest.fixture
 def start() -> Iterator[Start]:
     queues: list[tuple[JobQueue, Worker]] = []
 
-    def begin(renderer: PatternRenderer) -> tuple[JobQueue, Results]:
-        queue, results = JobQueue(8), Results(1 << 20)
+    def begin(renderer: PatternRenderer) -> tuple[JobQueue, dict[str, Picture]]:
+        queue, results = JobQueue(8), {}
 
         def fulfil(request: Request, control: Control) -> Mapping[str, Any]:
             assert isinstance(request, RenderRequest)
             picture = renderer.render(request, control)
-            results.put(request.name, picture)
+            results[request.name] = picture
             return picture.statistics.to_dict()
 
         worker = Worker(queue, fulfil, renderer.warm_up, deadline_s=None)
@@ -55,8 +56,7 @@ def test_a_job_becomes_a_picture(start: Start) -> None:
     some = job()
     queue.put(some)
     assert finished(some).state is JobState.DONE
-    picture = results.get(some.request.name)
-    assert picture is not None
+    picture = results[some.request.name]
     assert picture.encode("png").startswith(b"\x89PNG")
     assert some.statistics is not None and some.statistics["width"] == 8
 
@@ -100,3 +100,46 @@ def test_a_job_that_takes_too_long_fails_and_may_be_tried_again(start: Start) ->
     queue.put(some)
     assert finished(some).state is JobState.FAILED
     assert isinstance(some.error, DeadlineExceeded) and some.error.retryable
+
+
+def test_a_job_that_gets_on_is_heard_of() -> None:
+    beats: list[Job] = []
+    queue = JobQueue(1)
+    renderer = PatternRenderer(steps=5)
+
+    def fulfil(request: Request, control: Control) -> Mapping[str, Any]:
+        assert isinstance(request, RenderRequest)
+        return renderer.render(request, control).statistics.to_dict()
+
+    worker = Worker(queue, fulfil, renderer.warm_up, None, beats.append)
+    some = job()
+    queue.put(some)
+    worker.start()
+    finished(some)
+    assert beats == [some] * 5
+    assert not worker.stalled
+    queue.close()
+    assert worker.join(5)
+
+
+def test_a_job_that_is_deaf_to_its_deadline_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("raysvc.jobs.worker.PATIENCE_S", 0.05)
+    queue, ears, heard = JobQueue(1), threading.Event(), threading.Event()
+
+    def fulfil(request: Request, control: Control) -> Mapping[str, Any]:
+        heard.set()
+        ears.wait(10)
+        return {}
+
+    worker = Worker(queue, fulfil, lambda: None, None)
+    some = job(deadline_s=0.01)
+    queue.put(some)
+    worker.start()
+    assert heard.wait(5) and not worker.stalled
+    while not worker.stalled:
+        time.sleep(0.01)
+    ears.set()
+    finished(some)
+    queue.close()
+    assert worker.join(5)
+    assert not worker.stalled
