@@ -40,7 +40,7 @@ def described(settings: BaseSettings) -> list[DescribedSetting]:
             DescribedSetting(
                 ENV_PREFIX + name.upper(),
                 values[name],
-                default,
+                to_jsonable_python(default),
                 field.description or "",
                 "environment" if given else "default",
             )

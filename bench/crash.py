@@ -3,7 +3,8 @@
     python -m bench.crash --rounds 50 [--renderer scene] [--seed 0]
 
 A round starts the service on the same folder, sends it renders, and kills it (SIGKILL) at a random
-moment, which may be while it starts, or (one round in four) after it has finished something. In the end it is left alone, and then
+moment: while it starts, or any time later; in one round of four after it has finished something.
+In the end it is left alone, and then
 
 - every render that was accepted is done, with the same bytes as from a service that nobody killed
 - none that was seen to be done was begun again, although everything is asked for once more
