@@ -12,7 +12,7 @@ from raysvc.raster.rasterise import Raster
 from raysvc.raster.spans import Fragments
 from raysvc.scene import Camera
 from raysvc.shading.surface import Surface
-from raysvc.tracing.differentials import footprint_at, primary_differentials
+from raysvc.tracing.differentials import footprint_at, mirrored, primary_differentials
 from raysvc.types import Bools, Doubles, Floats, Ints, Longs
 
 CHUNK = 1 << 14
@@ -121,4 +121,6 @@ def evaluated(
     tables = prepared.tables
     footprint = footprint_at(tables.geometry, hits.triangle, hits.t, directions, differentials)
     surface = tables.surface(hits.triangle, hits.barycentric, directions, footprint, texture_filter)
+    seen = mirrored(tables.geometry, hits.triangle, surface, differentials, footprint)
+    surface = surface._replace(mirrored=seen)
     return Points(pixel, hits.triangle, depth, footprint, prepared.lobes_of(surface))

@@ -302,13 +302,9 @@ class SecondaryRays:
         tables = self._prepared.tables
 
         def shade(index: Longs, hits: Hits) -> Lit:
-            directions = rays.directions[index]
+            directions, arriving = rays.directions[index], records.chosen(differentials, index)
             footprint = differential.footprint_at(
-                tables.geometry,
-                hits.triangle,
-                hits.t,
-                directions,
-                records.chosen(differentials, index),
+                tables.geometry, hits.triangle, hits.t, directions, arriving
             )
             surface = tables.surface(
                 hits.triangle,
@@ -323,7 +319,13 @@ class SecondaryRays:
             lamp = self._prepared.lamps.shines[hits.triangle]
             glow = np.where(lamp, seen_of_lamps[index], np.float32(1.0))
             emissive = surface.emissive * glow[:, None]
-            surface = surface._replace(roughness=widened, emissive=emissive)
+            surface = surface._replace(
+                roughness=widened,
+                emissive=emissive,
+                mirrored=differential.mirrored(
+                    tables.geometry, hits.triangle, surface, arriving, footprint
+                ),
+            )
             return self._illumination.lit_in_mirror(self._prepared.lobes_of(surface), footprint)
 
         hits, met, lit = self._organise(

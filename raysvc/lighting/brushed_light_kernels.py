@@ -13,7 +13,7 @@ from raysvc.jit import kernel
 from raysvc.lighting.brdf import fresnel_weight
 from raysvc.lighting.brushed_lobe import brushed_alphas, brushed_axes, brushed_view, is_brushed
 from raysvc.lighting.brushed_reflection import brushed_reflection_lobe, brushed_reflection_sample
-from raysvc.lighting.image_kernels import write_specular
+from raysvc.lighting.image_kernels import pixel_sr, write_specular
 from raysvc.lighting.lobe_level_kernels import round_lobe
 from raysvc.lighting.phong_kernels import BOX
 from raysvc.shading.surface import Surface
@@ -81,6 +81,7 @@ def brushed_light(
                 sin_yaw * x + cos_yaw * z,
                 math.log2(OVERLAP / (lookups * density * BOX)),
                 BOX,
+                pixel_sr(surface, i),
             )
             weight = fresnel_weight(voh)
             w1, wx = share * (1.0 - weight), share * weight

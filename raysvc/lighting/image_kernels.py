@@ -9,12 +9,13 @@ by the lobe's exact albedo, so that constant light is exact.
 import math
 
 from raysvc.geometry.octahedral_kernels import octahedral_place
+from raysvc.geometry.vector_kernels import unit_or
 from raysvc.jit import inlined, kernel
 from raysvc.lighting.albedo_kernels import diffuse_loss, lobe_terms
 from raysvc.lighting.brdf import MIN_COSINE, MIRROR_ROUGHNESS, ggx_alpha
 from raysvc.lighting.brushed_lobe import is_brushed
 from raysvc.lighting.lobe_level_kernels import level_radiance, round_lobe
-from raysvc.lighting.sphere_kernels import map_radiance
+from raysvc.lighting.sphere_kernels import map_radiance, narrow_radiance
 from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats, Ints
@@ -32,6 +33,12 @@ def turned(vectors: Floats, i: int, cos_yaw: float, sin_yaw: float) -> tuple[flo
     """Row i of world vectors (N, 3) in the map's frame."""
     x, y, z = float(vectors[i, 0]), float(vectors[i, 1]), float(vectors[i, 2])
     return cos_yaw * x - sin_yaw * z, y, sin_yaw * x + cos_yaw * z
+
+
+@inlined
+def pixel_sr(surface: Surface, i: int) -> float:
+    """Steradians that a pixel sees mirrored at a point."""
+    return float(surface.mirrored.pixel_sr[i]) if len(surface.mirrored.pixel_sr) > 0 else 0.0
 
 
 @inlined
@@ -127,13 +134,19 @@ def specular_light(
     raw_map: Floats,
     terms: Doubles,
     fits: Floats,
+    whole: Doubles,
     cos_yaw: float,
     sin_yaw: float,
     strength: float,
     surface: Surface,
     radiance: Floats,
 ) -> None:
-    """Write the specular lobe's radiance to rows of `radiance` (N, 3), but for brushed points."""
+    """Write the specular lobe's radiance to rows of `radiance` (N, 3), but for brushed points.
+
+    `whole` are tables of order 1 of the map with its suns, which are read where a pixel sees more
+    than a texel of it in a mirror.
+    """
+    texel_sr = 4.0 * math.pi / (raw_map.shape[0] * raw_map.shape[1])
     for i in range(len(surface.normal)):
         if is_brushed(surface, i):
             continue
@@ -147,9 +160,19 @@ def specular_light(
         r_bias, g_bias, b_bias = 0.0, 0.0, 0.0
         if surface.roughness[i] <= MIRROR_ROUGHNESS:
             r_scale, g_scale, b_scale = map_radiance(raw_map, nx + dx, ny + dy, nz + dz)
+            # Between one and two texels the point becomes the pixel's mean
+            seen_sr = pixel_sr(surface, i)
+            wide = min(seen_sr / texel_sr - 1.0, 1.0)
+            if wide > 0.0:
+                x, y, z = unit_or((nx + dx, ny + dy, nz + dz), (nx, ny, nz))
+                r, g, b = narrow_radiance(whole, 1, x, y, z, seen_sr)
+                r_scale += wide * (r - r_scale)
+                g_scale += wide * (g - g_scale)
+                b_scale += wide * (b - b_scale)
             r_bias, g_bias, b_bias = r_scale, g_scale, b_scale
         else:
             level = level_of_alpha(ggx_alpha(float(surface.roughness[i])))
+            seen_sr = pixel_sr(surface, i)
             # The last row is that of alpha 1, the last column that of N.V 1
             row = level + (fits.shape[0] - 1 - COSINE)
             row = min(max(row, 0.0), fits.shape[0] - 1.001)
@@ -172,6 +195,7 @@ def specular_light(
                     nz + along * dz,
                     level + wider,
                     GGX_BOX,
+                    seen_sr,
                 )
                 r_scale, g_scale, b_scale = (
                     r_scale + scale * r,

@@ -29,7 +29,7 @@ from raysvc.lighting.zonal import ZonalMap
 from raysvc.parallel import Control, for_chunks
 from raysvc.scene import Environment
 from raysvc.shading.surface import Surface
-from raysvc.types import Floats
+from raysvc.types import Doubles, Floats
 
 Method = Literal["sat", "sh9", "split_sum", "brute"]
 METHODS: Final[tuple[Method, ...]] = get_args(Method)
@@ -224,7 +224,7 @@ class ImageLight:
         """Radiance that the specular lobe returns, with nothing in the way.
 
         It is without the suns, except up to MIRROR_ROUGHNESS: there it is the map itself, suns
-        included.
+        included. Lobes are averaged over what pixels see mirrored (`Surface.mirrored`).
 
         Parameters
         ----------
@@ -246,6 +246,7 @@ class ImageLight:
             self._map,
             self._albedo.specular,
             self._fits(lookups),
+            self._tables_for_mirrors(surface),
             *self._turn,
             self._strength,
             surface,
@@ -265,6 +266,19 @@ class ImageLight:
                 result,
             )
         return result
+
+    def _tables_for_mirrors(self, surface: Surface) -> Doubles:
+        """Tables of the map with its suns, if mirrors read them; else others of their kind."""
+        texel_sr = 4.0 * math.pi / (self._map.shape[0] * self._map.shape[1])
+        wide = surface.mirrored.pixel_sr > texel_sr
+        if wide.any() and (wide & (surface.roughness <= MIRROR_ROUGHNESS)).any():
+            return self._with_suns
+        return self._narrow[0]
+
+    @cached_property
+    def _with_suns(self) -> Doubles:
+        """Made when first asked for: only mirrors that are far or curved have need of it."""
+        return sphere_table(self._map, 1, self.filtering.builder).tables
 
     def _fits(self, lookups: int | None) -> Floats:
         if self.filtering.method == "split_sum":

@@ -7,6 +7,9 @@ from raysvc.jit import inlined, kernel
 from raysvc.lighting.sphere_kernels import map_radiance, narrow_radiance
 from raysvc.types import Doubles, Floats, Ints
 
+WIDEST = 0.1
+"""Steradians of a filter out of tables that is widened by a pixel."""
+
 
 @kernel
 def unfold(lat_long: Floats, side: int, first: int, texels: Floats) -> None:
@@ -80,16 +83,20 @@ def round_lobe(
     z: float,
     level: float,
     narrowest: float,
+    pixel_sr: float,
 ) -> tuple[float, float, float]:
     """RGB under the round lobe of a level about a direction, not zero.
 
     Below level 0 it is a filter out of tables, of `narrowest` steradians at level 0 and half of
-    that at the next one below; between -1 and 0 filter and lobe fade into each other.
+    that at the next one below; between -1 and 0 filter and lobe fade into each other. Filters are
+    averaged over a pixel of `pixel_sr` besides: variances of boxes add as their areas do. Lobes are
+    not, for they are wide themselves, and the next wider one has longer tails than a pixel.
     """
     if level >= 0.0:
         return lobe_radiance(texels, sides, firsts, x, y, z, level)
     scale = 1.0 / math.sqrt(x * x + y * y + z * z)
     solid_angle = narrowest * math.exp(math.log(2.0) * level)
+    solid_angle = min(solid_angle + pixel_sr, max(solid_angle, WIDEST))
     red, green, blue = narrow_radiance(sharp, order, x * scale, y * scale, z * scale, solid_angle)
     if level > -1.0:
         part = level + 1.0

@@ -38,7 +38,7 @@ def phong_radiances(
     level = level_of_exponent(exponent)
     for i in range(len(directions)):
         x, y, z = turned(directions, i, cos_yaw, sin_yaw)
-        red, green, blue = round_lobe(sharp, order, texels, sides, firsts, x, y, z, level, BOX)
+        red, green, blue = round_lobe(sharp, order, texels, sides, firsts, x, y, z, level, BOX, 0.0)
         result[i, 0] = red * strength
         result[i, 1] = green * strength
         result[i, 2] = blue * strength
@@ -75,7 +75,9 @@ def cone_radiances(
         else:
             exponent = max(4.0 / (half_width[i] * half_width[i]) - 1.0, 1.0)
             level = level_of_exponent(exponent)
-            red, green, blue = round_lobe(sharp, order, texels, sides, firsts, x, y, z, level, BOX)
+            red, green, blue = round_lobe(
+                sharp, order, texels, sides, firsts, x, y, z, level, BOX, 0.0
+            )
         result[i, 0] = red * strength
         result[i, 1] = green * strength
         result[i, 2] = blue * strength

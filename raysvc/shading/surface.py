@@ -9,6 +9,7 @@ from raysvc import records
 from raysvc.shading.brushed import Brushed
 from raysvc.shading.coat import Coat
 from raysvc.shading.glass import Glass
+from raysvc.shading.mirrored import Mirrored
 from raysvc.shading.rescattering import Rescattering
 from raysvc.types import Bools, Floats, Longs
 
@@ -55,6 +56,8 @@ class Surface(NamedTuple):
         of N points or none
     brushed
         of N points or none
+    mirrored
+        of N points, or none where no picture is made of them
     rescattering
         of N points, or none where multiple scattering is left out
     """
@@ -76,6 +79,7 @@ class Surface(NamedTuple):
     coat: Coat
     glass: Glass
     brushed: Brushed = Brushed.empty(0)
+    mirrored: Mirrored = Mirrored.empty(0)
     rescattering: Rescattering = Rescattering.empty(0)
 
     @property

@@ -11,11 +11,15 @@ does a pixel's.
 `footprint_at` says what is seen where a ray arrives, and the other two how its continuation begins.
 """
 
+import math
+from typing import Final
+
 import numpy as np
 
 from raysvc.scene import Camera
 from raysvc.shading.attribute_kernels import Geometry
 from raysvc.shading.footprint import Footprint
+from raysvc.shading.mirrored import Mirrored
 from raysvc.shading.surface import Surface
 from raysvc.tracing.ray_differential_kernels import (
     MIRRORED,
@@ -26,6 +30,9 @@ from raysvc.tracing.ray_differential_kernels import (
 )
 from raysvc.tracing.ray_differentials import RayDifferentials
 from raysvc.types import Doubles, Floats, Ints
+
+ROUGH: Final = 0.7
+"""Roughness from which what a pixel sees mirrored adds nothing to the lobe."""
 
 
 def primary_differentials(
@@ -114,6 +121,30 @@ def reflected(
         geometry, triangle, surface, directions, arriving, footprint, widening, mirrored, leaving
     )
     return leaving
+
+
+def mirrored(
+    geometry: Geometry,
+    triangle: Ints,
+    surface: Surface,
+    arriving: RayDifferentials,
+    footprint: Footprint,
+) -> Mirrored:
+    """What a pixel's step sees mirrored at N points of a surface.
+
+    As large as a square with the mean variance of the step's image, which grows with the distance
+    of the point and the curvature of the surface; at most a quarter of the sphere. Parameters as of
+    `reflected`.
+    """
+    cosine = np.einsum("nk,nk->n", surface.normal, surface.to_viewer)[:, None]
+    directions = 2.0 * cosine * surface.normal - surface.to_viewer
+    still = np.zeros(len(triangle), np.float32)
+    leaving = reflected(geometry, triangle, surface, directions, arriving, footprint, still)
+    right, down = (
+        np.einsum("nk,nk->n", step, step) for step in (leaving.direction_dx, leaving.direction_dy)
+    )
+    pixel_sr = np.minimum(0.5 * (right + down), np.float32(math.pi)).astype(np.float32)
+    return Mirrored(np.where(surface.roughness < ROUGH, pixel_sr, np.float32(0.0)))
 
 
 def refracted(

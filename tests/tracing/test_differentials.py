@@ -12,6 +12,7 @@ from raysvc.builtin.shapes import sheet, sphere
 from raysvc.scene import Material
 from raysvc.shading.footprint import Footprint
 from raysvc.shading.scene_tables import SceneTables
+from raysvc.tracing import differentials
 from raysvc.tracing.differentials import (
     footprint_at,
     pixel_angle,
@@ -341,3 +342,20 @@ def test_whatever_arrives_nothing_infinite_leaves(rng):
     )
     for array in (*footprint, *leaving):
         assert np.isfinite(array).all() and np.abs(array).max() <= 1.0001e8
+
+
+def test_a_ball_mirrors_more_in_a_pixel_the_smaller_and_farther_it_is():
+    """Straight ahead a pixel's step of angle a turns the mirrored ray by a (1 + 2 d / r)."""
+    scene = scene_of("ball", [Part(sphere(1.0, 60), 0)], [Material(roughness=0.0)])
+    tables = SceneTables.of(scene)
+    for away in (3.0, 9.0):
+        eye = camera(eye=(0.03, 0.02, away), target=(0.03, 0.02, 0.0), width=64, height=64)
+        origins, directions = eye.rays(np.array([32 * 64 + 32]))
+        rays = Rays(origins, directions, np.full(1, np.inf, np.float32))
+        hits = World(scene, tables, "auto").nearest(rays)
+        arriving = primary_differentials(eye, directions)
+        footprint = footprint_at(tables.geometry, hits.triangle, hits.t, directions, arriving)
+        surface = tables.surface(hits.triangle, hits.barycentric, directions, footprint)
+        found = differentials.mirrored(tables.geometry, hits.triangle, surface, arriving, footprint)
+        angle = eye.metres_per_pixel_at_unit_depth * (1 + 2 * float(hits.t[0]))
+        assert found.pixel_sr[0] == pytest.approx(angle**2, rel=0.1)
