@@ -22,8 +22,8 @@ from raysvc.lighting.brushed_lobe import (
     brushed_shadowing,
     is_brushed,
 )
-from raysvc.lighting.image_kernels import turned, write_diffuse, write_specular
-from raysvc.lighting.sphere_kernels import map_radiance
+from raysvc.lighting.image_kernels import write_diffuse, write_specular
+from raysvc.lighting.sphere_kernels import map_radiance, turned
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 

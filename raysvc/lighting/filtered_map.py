@@ -212,7 +212,6 @@ def _add_sun(sun: SunLight, alpha: float, yaw_deg: float, picture: Floats) -> No
     rows, columns = np.mgrid[0:height, 0:width] + 0.5
     directions = texel_directions(rows, columns, height, width).reshape(-1, 3)
     yaw = math.radians(yaw_deg)
-    (x, y, z), cosine, sine = sun.direction, math.cos(yaw), math.sin(yaw)
-    towards = np.array([cosine * x + sine * z, y, cosine * z - sine * x])
+    towards = np.array(sun.turned(math.cos(yaw), math.sin(yaw)).direction)
     light = np.array(sun.irradiance) / lobe_integral(alpha)
     add_sun(directions, towards, light, alpha, sun.angular_radius_rad, picture.reshape(-1, 3))

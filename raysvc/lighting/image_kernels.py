@@ -15,7 +15,7 @@ from raysvc.lighting.albedo_kernels import diffuse_loss, lobe_terms
 from raysvc.lighting.brdf import MIN_COSINE, MIRROR_ROUGHNESS, ggx_alpha
 from raysvc.lighting.brushed_lobe import is_brushed
 from raysvc.lighting.lobe_level_kernels import level_radiance, round_lobe
-from raysvc.lighting.sphere_kernels import map_radiance, narrow_radiance
+from raysvc.lighting.sphere_kernels import map_radiance, narrow_radiance, turned
 from raysvc.shading.rescattering_kernels import rescattered
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats, Ints
@@ -26,13 +26,6 @@ COSINE = 10
 """The level of alpha 1, whose lobe is the cosine lobe of diffuse light."""
 GGX_BOX = (3.5 * FINEST_ALPHA) ** 2
 """Steradians of a box as high as GGX of the first level's alpha."""
-
-
-@inlined
-def turned(vectors: Floats, i: int, cos_yaw: float, sin_yaw: float) -> tuple[float, float, float]:
-    """Row i of world vectors (N, 3) in the map's frame."""
-    x, y, z = float(vectors[i, 0]), float(vectors[i, 1]), float(vectors[i, 2])
-    return cos_yaw * x - sin_yaw * z, y, sin_yaw * x + cos_yaw * z
 
 
 @inlined

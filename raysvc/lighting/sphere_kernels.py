@@ -134,6 +134,13 @@ def map_radiance(radiance: Floats, x: float, y: float, z: float) -> tuple[float,
     return map_radiance_at(radiance, row, column)
 
 
+@inlined
+def turned(vectors: Floats, i: int, cos_yaw: float, sin_yaw: float) -> tuple[float, float, float]:
+    """Row i of world vectors (N, 3) in the map's frame."""
+    x, y, z = float(vectors[i, 0]), float(vectors[i, 1]), float(vectors[i, 2])
+    return cos_yaw * x - sin_yaw * z, y, sin_yaw * x + cos_yaw * z
+
+
 @kernel
 def map_radiances(
     radiance: Floats,
@@ -145,8 +152,7 @@ def map_radiances(
 ) -> None:
     """Write the turned map's RGB along world `directions` (N, 3) to `result` (N, 3)."""
     for i in range(len(directions)):
-        dx, y, dz = float(directions[i, 0]), float(directions[i, 1]), float(directions[i, 2])
-        x, z = cos_yaw * dx - sin_yaw * dz, sin_yaw * dx + cos_yaw * dz
+        x, y, z = turned(directions, i, cos_yaw, sin_yaw)
         red, green, blue = map_radiance(radiance, x, y, z)
         result[i, 0] = red * strength
         result[i, 1] = green * strength

@@ -6,7 +6,7 @@ in the degenerate case of few lights).
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -41,6 +41,12 @@ class SunLight:
     irradiance: Vector
     """Linear RGB at a surface that faces it."""
     angular_radius_rad: float
+
+    def turned(self, cos_yaw: float, sin_yaw: float) -> "SunLight":
+        """Return it in the world, in which the map is turned counter-clockwise seen from above."""
+        x, y, z = self.direction
+        turned = (cos_yaw * x + sin_yaw * z, y, cos_yaw * z - sin_yaw * x)
+        return replace(self, direction=turned)
 
 
 def extract_suns(radiance: Floats) -> tuple[tuple[SunLight, ...], Floats]:
