@@ -27,8 +27,9 @@ from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats
 
 DIRECTIONS: Final = 400
-EXPONENTS: Final = (8.0, 32.0, 128.0, 512.0)
-ROUGHNESS: Final = (0.05, 0.1, 0.25, 0.5, 1.0)
+EXPONENTS: Final = (8.0, 11.3, 32.0, 45.0, 128.0, 512.0)
+ROUGHNESS: Final = (0.05, 0.1, 0.25, 0.42, 0.5, 0.59, 1.0)
+"""Both also between the levels that lobes are read from."""
 BRUSHED: Final = (0.1, 0.25, 0.5)
 ANISOTROPY: Final = 0.6
 SAMPLES: Final = 16384

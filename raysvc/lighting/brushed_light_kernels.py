@@ -12,10 +12,10 @@ from raysvc.geometry.vector_kernels import plus, scaled
 from raysvc.jit import kernel
 from raysvc.lighting.brdf import fresnel_weight
 from raysvc.lighting.brushed_lobe import brushed_alphas, brushed_axes, brushed_view, is_brushed
-from raysvc.lighting.brushed_reflection import brushed_reflection_lobe, brushed_reflection_sample
+from raysvc.lighting.brushed_reflection import brushed_reflection_density, brushed_reflection_sample
 from raysvc.lighting.image_kernels import pixel_sr, write_specular
 from raysvc.lighting.lobe_level_kernels import round_lobe
-from raysvc.lighting.phong_kernels import BOX
+from raysvc.lighting.phong_kernels import BOX, level_of_solid_angle
 from raysvc.shading.surface import Surface
 from raysvc.types import Doubles, Floats, Ints
 
@@ -68,7 +68,7 @@ def brushed_light(
             )
             if share <= 0.0:
                 continue
-            _, density, _ = brushed_reflection_lobe(view, light, along, across)
+            density = brushed_reflection_density(view, light, along, across)
             x, y, z = plus(plus(scaled(axes[0], light[0]), axes[1], light[1]), axes[2], light[2])
             r, g, b = round_lobe(
                 sharp,
@@ -79,7 +79,7 @@ def brushed_light(
                 cos_yaw * x - sin_yaw * z,
                 y,
                 sin_yaw * x + cos_yaw * z,
-                math.log2(OVERLAP / (lookups * density * BOX)),
+                level_of_solid_angle(OVERLAP / (lookups * density)),
                 BOX,
                 pixel_sr(surface, i),
             )

@@ -26,12 +26,24 @@ def brushed_reflection_lobe(
     if light[2] <= 0.0 or view[2] <= 0.0:
         return 0.0, 0.0, 1.0
     seen = (view[0], view[1], max(view[2], MIN_COSINE))
-    half = (seen[0] + light[0], seen[1] + light[1], seen[2] + light[2])
-    half = unit_or(half, (0.0, 0.0, 1.0))
+    half = _half(seen, light)
     density = brushed_density(half, along, across)
     lobe = brushed_visibility(seen, light, along, across) * density
     drawn_as = brushed_masking(seen, along, across) * density / (4.0 * seen[2])
     return lobe, drawn_as, dot(seen, half)
+
+
+@inlined
+def brushed_reflection_density(view: Vec3, light: Vec3, along: float, across: float) -> float:
+    """Of `brushed_reflection_lobe` the density alone, of directions that are above the surface."""
+    seen = (view[0], view[1], max(view[2], MIN_COSINE))
+    density = brushed_density(_half(seen, light), along, across)
+    return brushed_masking(seen, along, across) * density / (4.0 * seen[2])
+
+
+@inlined
+def _half(view: Vec3, light: Vec3) -> Vec3:
+    return unit_or((view[0] + light[0], view[1] + light[1], view[2] + light[2]), (0.0, 0.0, 1.0))
 
 
 @inlined

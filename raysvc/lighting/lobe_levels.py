@@ -1,8 +1,7 @@
 """An environment under round lobes, from narrow to wide ones.
 
 What a rough surface shows of a map has no fine detail. So the map is cut off at a degree of the
-spherical harmonics, filtered there exactly, and kept as small octahedral images, one per width, a
-factor of the square root of two apart.
+spherical harmonics, filtered there exactly, and kept as small octahedral images, one per width.
 """
 
 from typing import NamedTuple
@@ -23,7 +22,7 @@ NEGLIGIBLE = 3e-3
 
 
 class LobeFamily(NamedTuple):
-    """Round lobes, each twice the solid angle of the one before it."""
+    """Round lobes, from narrow to wide ones in even steps of the solid angle's logarithm."""
 
     zonal: tuple[Doubles, ...]
     """Coefficients of each lobe, (DEGREE + 1,)."""

@@ -3,21 +3,30 @@
 import math
 
 from raysvc.jit import inlined, kernel
-from raysvc.lighting.image_kernels import turned
 from raysvc.lighting.lobe_level_kernels import round_lobe
-from raysvc.lighting.sphere_kernels import map_radiance
+from raysvc.lighting.sphere_kernels import map_radiance, turned
 from raysvc.types import Doubles, Floats, Ints
 
 NARROWEST = 1024.0
 """Exponent of the first level."""
-BOX = 4.0 * math.pi / NARROWEST
-"""Steradians of a box with that lobe's variance."""
+LEVELS_PER_OCTAVE = 2.0
+"""Levels for each doubling of the solid angle."""
+BOX = 12.0 / NARROWEST
+"""Steradians of a box with that lobe's variance, 1 / NARROWEST along each axis."""
 
 
 @inlined
 def level_of_exponent(exponent: float) -> float:
-    """Level whose lobe is this power of the cosine."""
-    return math.log2(NARROWEST) - math.log2(exponent)
+    """Level whose lobe is this power of the cosine, as `round_lobe` takes it."""
+    octaves = math.log2(NARROWEST) - math.log2(exponent)
+    # Above level 0 are filters out of tables, for which one level is one octave
+    return octaves * LEVELS_PER_OCTAVE if octaves > 0.0 else octaves
+
+
+@inlined
+def level_of_solid_angle(solid_angle: float) -> float:
+    """Level whose lobe has the variance of a box of so many steradians."""
+    return level_of_exponent(NARROWEST * BOX / solid_angle)
 
 
 @kernel
