@@ -85,7 +85,7 @@ class Settings(BaseModel):
         description="How often the tables are integrated: boxes (1), tents, quadratic filters (3).",
     )
     sat_builder: Literal["fused", "doubling", "scan", "strips"] = Field(
-        "fused", description="How tables of order 1 are summed; all give the same."
+        "fused", description="How the tables are summed; all give the same, but for rounding."
     )
     ibl_lobe_samples: Literal[4, 1, 2] = Field(
         4,

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from raysvc.errors import InvalidSetting
-from raysvc.imaging.sat import summed_area_table
+from raysvc.imaging.sat import BuiltTable, build_table
 from raysvc.imaging.sat_integration_kernels import integrate_columns, integrate_rows
 from raysvc.imaging.sat_spline_kernels import read_means
 from raysvc.parallel import Control, for_chunks
@@ -24,7 +24,12 @@ CHUNK_VALUES = 512
 CHUNK_LOOKUPS = 4096
 
 
-def integrated(image: Floats | Doubles, order: int, control: Control | None = None) -> Doubles:
+def integrated(
+    image: Floats | Doubles,
+    order: int,
+    control: Control | None = None,
+    builder: str = "fused",
+) -> Doubles:
     """Make the table for B-spline filters of an order.
 
     Parameters
@@ -35,6 +40,9 @@ def integrated(image: Floats | Doubles, order: int, control: Control | None = No
         1 box, 2 tent, 3 quadratic: how many boxes the filter is convolved of
     control
         threads and stopping, one thread by default; the bits are the same with any number
+    builder
+        one of `sat_builders.BUILDERS`, which sums the image as often as the order says; of orders
+        above 1 they agree to rounding
 
     Returns
     -------
@@ -44,20 +52,29 @@ def integrated(image: Floats | Doubles, order: int, control: Control | None = No
     the last column holds that of what depends on the row only, the last row that of what depends on
     the column only, and the last entry the mean. Raises InvalidSetting.
     """
+    table: Doubles = build_integrated(image, order, control, builder).table
+    return table
+
+
+def build_integrated(
+    image: Floats | Doubles,
+    order: int,
+    control: Control | None = None,
+    builder: str = "fused",
+) -> BuiltTable:
+    """Do as `integrated` does, and say how many passes the builder took for all of its sums."""
     _check_order(order)
     control = control or Control(threads=1)
     if image.ndim != 3 or image.shape[2] != 3 or not image.size:
         raise InvalidSetting(f"must be (height, width, 3), is {image.shape}", "image")
     if order == 1:
-        table: Doubles = summed_area_table(image, control=control)
-        return table
+        return build_table(image, builder, control=control)
     values = np.array(image, np.float64, order="C")
     height, width, _ = values.shape
     # As two images of one column and of one row, these take the same way as the rest
     by_row, by_column = values.mean(axis=1, keepdims=True), values.mean(axis=0, keepdims=True)
     mean = by_row.mean(axis=(0, 1))
-    _integrate_along_rows(values, order, control)
-    _integrate_down_columns(values, order, control)
+    passes = _integrate(values, order, builder, control)
     _integrate_along_rows(by_column, order, control)
     _integrate_down_columns(by_row, order, control)
     table = np.empty((height + order + 1, width + order + 1, 3))
@@ -66,7 +83,7 @@ def integrated(image: Floats | Doubles, order: int, control: Control | None = No
     table[:-1, -1] = by_row[rows, 0]
     table[-1, :-1] = by_column[0, columns]
     table[-1, -1] = mean
-    return table
+    return BuiltTable(table, builder, passes)
 
 
 def spline_means(
@@ -113,6 +130,20 @@ def _texels(length: int, order: int) -> Longs:
     """Whose sums the entries along one axis are: from `order` before the first to the last."""
     found: Longs = np.arange(-order, length, dtype=np.int64) % length
     return found
+
+
+def _integrate(values: Doubles, times: int, builder: str, control: Control) -> int:
+    """Sum along both axes, `times` times, rows and columns of mean zero; return the passes."""
+    passes = 0
+    sums = np.empty((values.shape[0] + 1, values.shape[1] + 1, 3))
+    for _ in range(times):
+        _integrate_along_rows(values, 0, control)
+        _integrate_down_columns(values, 0, control)
+        passes += build_table(values, builder, out=sums, control=control).passes
+        values[:] = sums[1:, 1:]
+    _integrate_along_rows(values, 0, control)
+    _integrate_down_columns(values, 0, control)
+    return passes
 
 
 def _integrate_along_rows(values: Doubles, times: int, control: Control) -> None:

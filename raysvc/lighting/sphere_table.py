@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from raysvc.imaging.sat import build_table, summed_area_table
-from raysvc.imaging.sat_orders import integrated
+from raysvc.imaging.sat import summed_area_table
+from raysvc.imaging.sat_orders import build_integrated
 from raysvc.lighting.lat_long import texel_solid_angles
 from raysvc.lighting.sphere_kernels import spread_to_x_cylinder
 from raysvc.types import Doubles, Floats
@@ -32,7 +32,7 @@ class SphereTable:
     (rows, columns, 3) whose texels have the same solid angle. Row 0 is at +axis; the centre column
     is what is seen along -Z; to its right is +X around Y, and +Y around X."""
     passes: int
-    """Of the builder, over one table."""
+    """Of the builder over one of the tables, in all of its sums."""
 
 
 def sphere_table(radiance: Floats, order: int = 1, builder: str = "fused") -> SphereTable:
@@ -46,7 +46,7 @@ def sphere_table(radiance: Floats, order: int = 1, builder: str = "fused") -> Sp
     order
         of the filters, 1 to 3
     builder
-        of tables of order 1, one of `sat_builders.BUILDERS`
+        of all sums, one of `sat_builders.BUILDERS`; they agree to rounding
     """
     columns = min(max(radiance.shape[1], MIN_COLUMNS), MAX_COLUMNS)
     rows = columns // 2
@@ -54,30 +54,27 @@ def sphere_table(radiance: Floats, order: int = 1, builder: str = "fused") -> Sp
     height = len(radiance)
     detail = 2 if height >= rows else math.ceil(2 * rows / height)
     spread_to_x_cylinder(radiance, detail, shared)
-    image, passes = _y_cylinder(radiance, rows, columns, builder)
-    images = image, _radiance_of_shares(shared)
-    if order == 1:
-        tables = np.stack([summed_area_table(i, builder) for i in images])
-    else:
-        tables = np.stack([integrated(image, order) for image in images])
+    images = _y_cylinder(radiance, rows, columns, builder), _radiance_of_shares(shared)
+    built = [build_integrated(image, order, builder=builder) for image in images]
+    tables = np.stack([each.table for each in built])
     tables.setflags(write=False)
-    return SphereTable(tables, passes)
+    return SphereTable(tables, built[0].passes)
 
 
-def _y_cylinder(radiance: Floats, rows: int, columns: int, builder: str) -> tuple[Doubles, int]:
-    """Cylinder around Y (rows, columns, 3), read out of the map's own table; its passes."""
+def _y_cylinder(radiance: Floats, rows: int, columns: int, builder: str) -> Doubles:
+    """Cylinder around Y (rows, columns, 3), read out of the map's own table."""
     height, width, _ = radiance.shape
     per_row = texel_solid_angles(height, width)
-    built = build_table(radiance * per_row[:, None, None], builder)
+    table = summed_area_table(radiance * per_row[:, None, None], builder)
     # Sums grow linearly with the cosine inside a row of texels, and with the column
     edges = np.cos(np.arange(height + 1) * (math.pi / height))
     wanted = 1.0 - 2.0 * np.arange(rows + 1) / rows
-    table = _interpolated(built.table, np.interp(-wanted, -edges, np.arange(height + 1)))
+    table = _interpolated(table, np.interp(-wanted, -edges, np.arange(height + 1)))
     if columns != width:
         across = np.arange(columns + 1) * (width / columns)
         table = _interpolated(table.transpose(1, 0, 2), across).transpose(1, 0, 2)
     image: Doubles = np.diff(np.diff(table, axis=0), axis=1) * (rows * columns / (4.0 * math.pi))
-    return image, built.passes
+    return image
 
 
 def _interpolated(table: Doubles, positions: Doubles) -> Doubles:

@@ -8,8 +8,9 @@ from hypothesis.extra import numpy as arrays
 
 from raysvc.errors import InvalidSetting
 from raysvc.imaging import sat_orders
-from raysvc.imaging.sat import summed_area_table
-from raysvc.imaging.sat_orders import ORDERS, integrated, spline_means
+from raysvc.imaging.sat import build_table, summed_area_table
+from raysvc.imaging.sat_builders import BUILDERS
+from raysvc.imaging.sat_orders import ORDERS, build_integrated, integrated, spline_means
 from raysvc.parallel import Control
 from tests.oracles.spline_mean import reach, spline_mean, weights
 from tests.oracles.wrapping_sums import spline_sum
@@ -134,6 +135,16 @@ def test_the_rest_has_mean_zero_in_every_row_and_column(order, rng):
 def test_order_one_is_a_plain_table(rng):
     image = rng.random((12, 20, 3)).astype(np.float32)
     np.testing.assert_array_equal(integrated(image, 1), summed_area_table(image))
+
+
+@EVERY
+@pytest.mark.parametrize("builder", BUILDERS)
+def test_all_builders_make_the_tables_of_every_order(order, builder, rng):
+    image = rng.lognormal(0.0, 2.0, (100, 150, 3))
+    built = build_integrated(image, order, builder=builder)
+    expected = integrated(image, order)
+    np.testing.assert_allclose(built.table, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+    assert built.passes == order * build_table(image, builder).passes
 
 
 @EVERY
