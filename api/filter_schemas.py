@@ -4,6 +4,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from raysvc.errors import InvalidSetting
 from raysvc.lighting.filtered_map import MAX_HEIGHT, MAX_WIDTH
 
 MEDIA_TYPES: Final = {
@@ -45,6 +46,13 @@ class FilteredBody(BaseModel):
     def size(self) -> tuple[int, int]:
         """Width and height."""
         return self.width, self.height or max(self.width // 2, 1)
+
+
+def check_harmonics_only(body: FilteredBody) -> None:
+    """Raise InvalidSetting for what says something of maps: harmonics have no use for it."""
+    for field in ("roughness", "irradiance", "width", "height"):
+        if field in body.model_fields_set and getattr(body, field):
+            raise InvalidSetting("is of maps; as JSON there are harmonics only", field=field)
 
 
 class Sh9Body(BaseModel):

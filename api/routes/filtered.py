@@ -5,7 +5,7 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from api.context import ContextDep
-from api.filter_schemas import MEDIA_TYPES, FilteredBody, Sh9Body
+from api.filter_schemas import MEDIA_TYPES, FilteredBody, Sh9Body, check_harmonics_only
 from api.json_bodies import read_json_object
 from api.negotiation import format_for
 from api.render_requests import stored_id
@@ -47,6 +47,7 @@ async def filter_environment(id: str, request: Request, context: ContextDep) -> 
         return store.get(stored_id(id, "environment", store))
 
     if format == "json":
+        check_harmonics_only(body)
         found = await context.heavy(lambda: sh9(environment(), **turned))
         return SafeJSONResponse(found.to_dict(), headers=headers)
 

@@ -22,6 +22,7 @@ UNSHARED: Final = dataclasses.replace(
     DEFAULT_LIMITS, max_filtered_texels=MAX_WIDTH * MAX_HEIGHT * MAX_MAPS
 )
 """Nobody else waits for this machine."""
+SIZE: Final = "512x256"
 OPTIONS: Final = {"width": "--size", "height": "--size", "roughness": "--roughness"}
 
 
@@ -39,8 +40,9 @@ def filter_environment(
         bool, typer.Option("--irradiance", help="Also the irradiance, not divided by pi.")
     ] = False,
     size: Annotated[
-        str, typer.Option("--size", help="WIDTHxHEIGHT of the maps in texels.")
-    ] = "512x256",
+        str | None,
+        typer.Option("--size", help=f"WIDTHxHEIGHT of the maps in texels; {SIZE} by default."),
+    ] = None,
     yaw: Annotated[
         float,
         typer.Option(
@@ -62,13 +64,13 @@ def filter_environment(
     asked = tuple(roughness or ())
     if output is None and harmonics is None:
         raise InvalidSetting("say --output, or --sh9", field="--output")
-    if output is None and (asked or irradiance):
+    if output is None and (asked or irradiance or size is not None):
         raise InvalidSetting("says where the maps go", field="--output")
     if output is not None:
         output_format(writable(output, "--output"), "--output", FORMATS)
     if harmonics is not None and harmonics != STANDARD_OUTPUT:
         output_format(writable(harmonics, "--sh9"), "--sh9", ("json",))
-    width_height = size_of(size)
+    width_height = size_of(size or SIZE)
 
     with progress_bar(environment) as report:
         report("loading", 0.0)

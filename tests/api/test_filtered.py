@@ -101,6 +101,10 @@ def test_as_json_it_is_nine_harmonics(client: TestClient) -> None:
         ({"roughness": [0.5], "format": "gif"}, 422, "format"),
         ({"roughness": [0.5], "irradiance": True, "width": 8, "format": "png"}, 422, "format"),
         ({"roughness": [0.5], "colour": 1}, 422, "colour"),
+        ({"roughness": [0.5], "format": "json"}, 422, "roughness"),
+        ({"irradiance": True, "format": "json"}, 422, "irradiance"),
+        ({"width": 64, "format": "json"}, 422, "width"),
+        ({"height": 64, "format": "json"}, 422, "height"),
     ],
 )
 def test_wrong_bodies_are_refused_by_name(

@@ -58,6 +58,7 @@ def test_harmonics_are_printed_or_written(tmp_path: Path, capsys: Capture) -> No
         ([], "--output: say --output, or --sh9"),
         (["-r", "0.5"], "--output: say"),
         (["-r", "0.5", "--sh9", "-"], "--output: says where the maps go"),
+        (["--size", "8x4", "--sh9", "-"], "--output: says where the maps go"),
         (["-o", "x.exr"], "--roughness: needs a roughness, or irradiance"),
         (["-o", "x.exr", "-r", "1.5"], "--roughness: must be 0 to 1, is 1.5"),
         (["-o", "x.exr", "-r", "nan"], "--roughness: must be 0 to 1, is nan"),
