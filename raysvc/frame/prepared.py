@@ -81,7 +81,11 @@ def prepare(
         (turned, filtering),
         lambda: ImageLight(environment, *turned, filtering, control),
     )
-    cached = had_tables and had_fit and had_light
+    phong_seconds = 0.0
+    if settings.mode == "hybrid" and (tables.brushed or tables.glassy):
+        # Here, that not all of the frame's threads wait for one of them
+        phong_seconds = light.make_phong()
+    cached = had_tables and had_fit and had_light and not phong_seconds
     warnings: tuple[str, ...] = ()
     if settings.texture_filter == "sat" and settings.mode == "hybrid":
         cached = cached and tables.sums.are_made
@@ -107,7 +111,7 @@ def prepare(
         light,
         EnvironmentCost(
             rebuilt=not had_light,
-            seconds=0.0 if had_light else light.seconds,
+            seconds=(0.0 if had_light else light.seconds) + phong_seconds,
             ibl=settings.ibl,
             order=settings.ibl_order,
             builder=settings.sat_builder,

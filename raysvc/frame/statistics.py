@@ -69,13 +69,15 @@ class EnvironmentCost:
     """How the environment was filtered, and what that took."""
 
     rebuilt: bool
-    """False where it was kept from an earlier frame; then it took no time."""
+    """False where it was kept from an earlier frame."""
     seconds: float
+    """0 where it was kept, unless this frame is the first to show it in brushed surfaces or
+    through glass, which read levels of their own."""
     ibl: str
     order: int
     builder: str
     passes: int
-    """Of the builder over a table."""
+    """Of the builder over a table, in as many sums as the order says."""
     suns: int
     """Small lights that were taken out of it."""
 

@@ -1,9 +1,9 @@
 """An environment as a light: its sun apart, the rest filtered."""
 
 import math
+import threading
 import time
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Final, Literal, get_args
 
 import numpy as np
@@ -55,7 +55,8 @@ class Filtering:
 
 
 class ImageLight:
-    """Light from an environment, turned and scaled. Immutable; safe to use from many threads.
+    """Light from an environment, turned and scaled. Safe to use from many threads; immutable but
+    for what it keeps to answer with, which is the same whenever it is made.
 
     Parameters
     ----------
@@ -87,6 +88,8 @@ class ImageLight:
         self._map = np.ascontiguousarray(environment.radiance)
         suns, self.rest = extract_suns(self._map)
         self._harmonics = ZonalMap.of(resampled(self.rest, 2 * DEGREE, 4 * DEGREE), DEGREE)
+        self._phong: LobeLevels | None = None
+        self._phong_lock = threading.Lock()
         levels, table = self._filtered(control or Control(threads=1))
         self._narrow = (table.tables, filtering.order)
         self.lobes = (*self._narrow, *levels)
@@ -98,7 +101,7 @@ class ImageLight:
         self._diffuse = levels.texels
         self._albedo = albedo.albedo_tables()
         self.passes = table.passes
-        """Of the builder over a table."""
+        """Of the builder over a table, in as many sums as the order says."""
         self.seconds = time.perf_counter() - start
         """What filtering took."""
         self.suns: tuple[SunLight, ...] = tuple(self._placed(sun) for sun in suns)
@@ -121,13 +124,8 @@ class ImageLight:
 
     def _placed(self, sun: SunLight) -> SunLight:
         """Turn a sun out of the map's frame, and scale it."""
-        (cosine, sine), (x, y, z) = self._turn, sun.direction
         red, green, blue = (v * self._strength for v in sun.irradiance)
-        return replace(
-            sun,
-            direction=(cosine * x + sine * z, y, cosine * z - sine * x),
-            irradiance=(red, green, blue),
-        )
+        return replace(sun.turned(*self._turn), irradiance=(red, green, blue))
 
     def radiance(self, directions: Floats) -> Floats:
         """Radiance (N, 3) float32 of the map with its sun, along unit directions (N, 3) float32."""
@@ -135,10 +133,23 @@ class ImageLight:
         map_radiances(self._map, directions, *self._turn, self._strength, result)
         return result
 
-    @cached_property
-    def _phong(self) -> LobeLevels:
-        """Made when first asked for: of surfaces only brushed ones have need of it."""
-        return LobeLevels.of(self._harmonics, phong_lobes())
+    def make_phong(self) -> float:
+        """Make the levels of Phong's lobes, which cones and brushed surfaces read.
+
+        They are made when first asked for, by one thread while the others wait. Returns the seconds
+        that it took, 0 where they are there.
+        """
+        with self._phong_lock:
+            if self._phong is not None:
+                return 0.0
+            start = time.perf_counter()
+            self._phong = LobeLevels.of(self._harmonics, phong_lobes())
+            return time.perf_counter() - start
+
+    def _phong_levels(self) -> LobeLevels:
+        self.make_phong()
+        assert self._phong is not None
+        return self._phong
 
     def phong(self, directions: Floats, exponent: float) -> Floats:
         """Mean radiance (N, 3) float32 of all but the suns under cos^exponent about directions.
@@ -149,9 +160,7 @@ class ImageLight:
         result = np.empty((len(directions), 3), np.float32)
         phong_radiances(
             *self._narrow,
-            self._phong.texels,
-            self._phong.sides,
-            self._phong.firsts,
+            *self._phong_levels(),
             directions,
             float(exponent),
             *self._turn,
@@ -169,9 +178,7 @@ class ImageLight:
         result = np.empty((len(directions), 3), np.float32)
         cone_radiances(
             *self._narrow,
-            self._phong.texels,
-            self._phong.sides,
-            self._phong.firsts,
+            *self._phong_levels(),
             self._map,
             directions,
             half_width,
@@ -255,9 +262,7 @@ class ImageLight:
         if surface.brushed.size:
             brushed_light(
                 *self._narrow,
-                self._phong.texels,
-                self._phong.sides,
-                self._phong.firsts,
+                *self._phong_levels(),
                 self._albedo.specular,
                 brushed_lattice(LOOKUPS_PER_ROUND_LOBE * (lookups or self.filtering.lookups)),
                 *self._turn,

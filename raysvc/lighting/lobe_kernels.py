@@ -83,10 +83,8 @@ def lobe_rays(
                 f0 = surface.dielectric_f0[n] * (1.0 - metal) + base * metal
                 fresnel = f0 + (1.0 - f0) * fresnel_weight(voh)
                 if is_brushed(surface, n):
-                    axes, (along, across) = brushed_axes(surface, n), brushed_alphas(surface, n)
                     light = placed_in(axes, towards)
-                    seen = brushed_view(surface, n, axes)
-                    shadowing = brushed_shadowing(seen, light, along, across)
+                    shadowing = brushed_shadowing(local, light, along, across)
                 else:
                     shadowing = shadowing_given_masking(nol, nov, alpha)
                 weight[n] = fresnel * shadowing

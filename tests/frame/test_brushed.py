@@ -82,3 +82,16 @@ def test_a_lamp_makes_a_streak():
     middle = lit[24, 24, 0]
     # The sheet's u runs along x
     assert lit[24, 40, 0] > 0.1 * middle > 5 * lit[40, 24, 0]
+
+
+def test_levels_that_only_brushed_surfaces_read_are_made_and_counted_once():
+    sky = Environment(smooth_sky())
+
+    def cost(material):
+        frame = render(ball(material), sky, VIEW, {"aa": "none", "lens": "none"})
+        return frame.statistics.environment
+
+    first, second, third = cost(GREY), cost(STEEL), cost(STEEL)
+    assert first.rebuilt and first.seconds > second.seconds
+    assert not second.rebuilt and second.seconds > 0
+    assert not third.rebuilt and third.seconds == 0

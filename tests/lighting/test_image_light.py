@@ -2,6 +2,7 @@
 
 import math
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from raysvc.lighting.brdf import MIRROR_ROUGHNESS
 from raysvc.lighting.direct import arriving, reflected
 from raysvc.lighting.image_light import METHODS, Filtering, ImageLight
 from raysvc.lighting.lobe_fit import LOOKUPS
+from raysvc.lighting.lobe_levels import LobeLevels
 from raysvc.lighting.spherical_harmonics import sh9
 from raysvc.parallel import Control
 from raysvc.scene import Environment
@@ -283,7 +285,53 @@ def test_builders_and_threads_light_alike(sky, rng, builder):
     filtering = Filtering(builder=builder)
     light = ImageLight(Environment(smooth_sky()), filtering=filtering, control=Control(2))
     np.testing.assert_allclose(light.specular(surface), sky.specular(surface), rtol=1e-5)
-    assert light.passes == {"fused": 1, "strips": 3, "scan": 4}.get(builder, light.passes)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("builder", BUILDERS)
+def test_every_sum_of_the_tables_that_are_read_is_the_builders(builder, order, monkeypatch):
+    calls = []
+    build = BUILDERS[builder]
+
+    def counted(image, table, *rest):
+        calls.append((image.shape, build(image, table, *rest)))
+        return calls[-1][1]
+
+    monkeypatch.setitem(BUILDERS, builder, counted)
+    light = ImageLight(Environment(smooth_sky()), filtering=Filtering(order=order, builder=builder))
+    # That of the map itself, out of which the cylinder around Y is read; then those of two tables
+    assert len(calls) == 1 + 2 * order
+    assert {shape for shape, _ in calls} == {(32, 64, 3)}
+    # 5 passes down and 6 across double 1 to 32 and to 64
+    each = {"fused": 1, "strips": 3, "scan": 4, "doubling": 11}[builder]
+    assert [passes for _, passes in calls] == [each] * len(calls)
+    assert light.passes == order * each
+
+
+def test_phongs_levels_are_made_once_however_many_threads_ask(rng, monkeypatch):
+    light, of, made = ImageLight(Environment(smooth_sky())), LobeLevels.of, []
+    together = threading.Barrier(4)
+
+    def counted(*asked):
+        made.append(threading.get_ident())
+        time.sleep(0.05)
+        return of(*asked)
+
+    def ask():
+        together.wait()
+        shown.append(light.phong(directions, 20.0))
+
+    monkeypatch.setattr(LobeLevels, "of", staticmethod(counted))
+    directions, shown = random_directions(rng, 20).astype("f4"), []
+    threads = [threading.Thread(target=ask) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(made) == 1 and len(shown) == 4
+    for each in shown:
+        np.testing.assert_array_equal(each, shown[0])
+    assert light.make_phong() == 0.0
 
 
 def test_phong_is_irradiance_at_exponent_1_and_the_map_at_high_ones(sky, rng):
