@@ -10,6 +10,7 @@ from raysvc.compare.light_errors import BRUSHED, EXPONENTS, ROUGHNESS, light_err
 from raysvc.compare.lobe_integrals import diffuse_integrals, phong_integrals, specular_integrals
 from raysvc.compare.measure import Steps
 from raysvc.compare.sat_benchmark import bench_sat
+from raysvc.loading import load_environment
 from raysvc.parallel import Control
 from raysvc.scene import Environment
 from tests.oracles.lobe import albedo, map_directions, outgoing
@@ -36,6 +37,42 @@ def test_the_default_is_near_and_better_than_what_it_replaces(errors):
         elif method in ("box", "split_sum"):
             default = errors[lobe, parameter, "sat"]
             assert default.mean_relative_error < found.mean_relative_error, (lobe, parameter)
+
+
+@pytest.fixture(scope="module")
+def judged(assets):
+    """Errors of the default by lobe and parameter, under the five maps that judge it."""
+    files = ("venice_sunset_1k.hdr", "studio_small_03_1k.hdr", "kloppenheim_05_1k.hdr")
+    names = [str(assets / "hdr" / name) for name in (*files, "KernerEnvLatLong.exr")]
+    maps = {name: load_environment(name) for name in (*names, "builtin:studio")}
+    control, found = Control(), {}
+    steps = Steps(lobe_count() * len(maps), control)
+    for each in light_errors(maps, 60, 2, steps, control):
+        if each.method == "sat":
+            found.setdefault((each.lobe, each.parameter), []).append(each)
+    assert {len(each) for each in found.values()} == {len(maps)}
+    return found
+
+
+def mean_of(errors, kind):
+    return np.mean([getattr(each, kind) for each in errors])
+
+
+@pytest.mark.assets
+@pytest.mark.slow
+def test_under_the_maps_that_judge_it_the_default_is_within_its_limits(judged):
+    limits = {"diffuse": 0.01, "phong": 0.03, "ggx": 0.04}
+    for (lobe, parameter), errors in judged.items():
+        if lobe in limits:
+            assert mean_of(errors, "mean_relative_error") <= limits[lobe], (lobe, parameter)
+
+
+@pytest.mark.assets
+@pytest.mark.slow
+def test_under_the_maps_that_judge_it_poles_are_not_worse_than_the_equator(judged):
+    for lobe in ("diffuse", "phong", "ggx"):
+        some = [each for key, errors in judged.items() if key[0] == lobe for each in errors]
+        assert mean_of(some, "pole_error") <= 1.5 * mean_of(some, "equator_error"), lobe
 
 
 def test_all_lobes_are_measured_in_all_directions(errors):

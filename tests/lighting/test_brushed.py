@@ -179,7 +179,27 @@ def test_rays_into_the_lobe_find_its_albedo(rng):
     half /= np.linalg.norm(half, axis=1, keepdims=True)
     axes = axes_of(one, 0)
     assert np.median(np.abs(half @ axes[0])) > 3 * np.median(np.abs(half @ axes[1]))
-    assert (half_width > 0).all()
+
+
+@pytest.mark.parametrize("strength", [0.4, 0.8])
+@pytest.mark.parametrize("roughness", [0.15, 0.4])
+def test_cones_of_all_rays_add_up_to_the_solid_angle_that_they_cover(rng, roughness, strength):
+    """The mean of 1 / density over the samples of a region is the region's solid angle."""
+    one = points(rng, 1, roughness, strength, least=0.8)
+    surface = one.chosen(np.zeros(1 << 15, int))
+    k = np.arange(surface.size)
+    samples = np.stack([(k * 0.6180339887498949) % 1, (k + 0.5) / surface.size], 1)
+    directions = np.empty((surface.size, 3), np.float32)
+    weight, half_width = np.empty((2, surface.size), np.float32)
+    lobe_rays(surface, samples, directions, weight, half_width)
+    _, _, normal = axes_of(one, 0)
+    view = one.to_viewer[0].astype(float)
+    mirror = 2 * (normal @ view) * normal - view
+    limit = np.cos(min(2 * roughness**2, 0.4))
+    inside = directions @ mirror > limit
+    assert (weight[inside] > 0).all() and inside.mean() > 0.02
+    covered = (np.pi * half_width[inside].astype(float) ** 2).sum() / surface.size
+    assert covered == pytest.approx(2 * np.pi * (1 - limit), rel=0.03)
 
 
 def test_lamps_make_long_highlights_along_the_tangent():
