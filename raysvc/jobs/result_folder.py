@@ -1,5 +1,7 @@
 """Finished results on the disk: files by the name of their request, within a budget."""
 
+import contextlib
+import errno
 import logging
 import os
 import secrets
@@ -10,7 +12,6 @@ from typing import Any, Final
 
 from numpy.typing import NDArray
 
-from raysvc.errors import StorageFull
 from raysvc.jobs.array_file import Arrays, read_arrays, write_arrays
 from raysvc.jobs.disk_budget import DiskBudget, DiskCounts
 from raysvc.jobs.durable_file import room_needed, sync_folder, write_file
@@ -19,6 +20,8 @@ logger = logging.getLogger(__name__)
 
 UNFINISHED: Final = "incoming"
 """Where files are written before they are whole; emptied at start."""
+SLACK_BYTES: Final = 64 << 10
+"""What a file takes beside its arrays, at most, for all that makes room for it."""
 
 
 class ResultFolder:
@@ -45,16 +48,26 @@ class ResultFolder:
         return self._budget.counts
 
     def put(self, name: str, about: Mapping[str, Any], arrays: Arrays) -> None:
-        """Keep arrays and what is said about them. Raises StorageFull."""
-        while True:
-            try:
-                self._write(name, about, arrays)
-                break
-            except StorageFull:
-                oldest = self._budget.oldest()
-                if oldest is None:
-                    raise
-                self._evict([oldest])
+        """Keep arrays and what is said about them. Raises StorageFull.
+
+        On a full disk about as much makes room as these take; what is too large for that, or for
+        one file, costs the others no more.
+        """
+        lacking = sum(array.nbytes for array in arrays.values()) + SLACK_BYTES
+        with room_needed("a result"):
+            while True:
+                try:
+                    self._write(name, about, arrays)
+                    break
+                except OSError as error:
+                    oldest = None
+                    if error.errno in (errno.ENOSPC, errno.EDQUOT) and lacking > 0:
+                        oldest = self._budget.oldest()
+                    if oldest is None:
+                        raise
+                    with contextlib.suppress(FileNotFoundError):
+                        lacking -= (self._folder / oldest).stat().st_size
+                    self._evict([oldest])
         self._evict(self._budget.surplus())
 
     def get(self, name: str) -> tuple[dict[str, Any], dict[str, NDArray[Any]]] | None:
@@ -85,12 +98,11 @@ class ResultFolder:
     def _write(self, name: str, about: Mapping[str, Any], arrays: Arrays) -> None:
         draft = self._incoming / secrets.token_hex(16)
         try:
-            with room_needed("a result"):
-                write_file(draft, lambda file: write_arrays(file, about, arrays))
-                size = draft.stat().st_size
-                draft.replace(self._folder / name)
-                self._budget.add(name, size)
-                sync_folder(self._folder)
+            write_file(draft, lambda file: write_arrays(file, about, arrays))
+            size = draft.stat().st_size
+            draft.replace(self._folder / name)
+            self._budget.add(name, size)
+            sync_folder(self._folder)
         finally:
             draft.unlink(missing_ok=True)
 

@@ -1,3 +1,4 @@
+import errno
 from pathlib import Path
 
 import numpy as np
@@ -136,3 +137,21 @@ def test_a_full_disk_takes_the_oldest_results_first(
     assert folder.counts == DiskCounts(evictions=2, held_bytes=0)
     folder.put("c", {}, layers())
     assert names(tmp_path) == {"c"}
+
+
+@pytest.mark.parametrize(("code", "most"), [(errno.ENOSPC, 2), (errno.EDQUOT, 2), (errno.EFBIG, 0)])
+def test_what_does_not_fit_takes_no_more_of_the_others_than_it_needs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: int, most: int
+) -> None:
+    folder = ResultFolder(tmp_path, BIG)
+    big = {"beauty": np.zeros((256, 256, 4), np.float32)}
+    for name in "abcdefgh":
+        folder.put(name, {}, big)
+
+    def full(*_: object) -> None:
+        raise OSError(code, "No room")
+
+    monkeypatch.setattr("raysvc.jobs.result_folder.write_file", full)
+    with pytest.raises(StorageFull):
+        folder.put("i", {}, big)
+    assert names(tmp_path) == set("abcdefgh"[most:])
