@@ -41,6 +41,7 @@ _JOB: Final = {
     "progress": 1.0,
     "position": None,
     "attempts": 1,
+    "heartbeat": None,
     "created": CREATED,
     "started": "2026-11-25T12:00:00.010+00:00",
     "finished": "2026-11-25T12:00:00.840+00:00",

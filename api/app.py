@@ -89,6 +89,7 @@ def create_app(
         service,
         anyio.CapacityLimiter(settings.heavy_threads),
         measured,
+        long_workers=anyio.CapacityLimiter(settings.long_threads),
         readers=anyio.CapacityLimiter(max(settings.parse_processes, 1)),
     )
     # The last one that is added is the outermost.

@@ -16,6 +16,9 @@ def submit(
 
     Raises InvalidInput, Unavailable, NotFound, QueueFull, Draining, StorageFull.
     """
+    known = service.known(key, ComparisonRequest)
+    if known is not None:
+        return known  # though its scene may have gone since
     if "scene" not in body:
         raise InvalidSetting("is missing", field="scene")
     settings = comparison_settings({key: body[key] for key in body if key != "scene"})

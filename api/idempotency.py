@@ -1,6 +1,7 @@
 """`Idempotency-Key`: a request that is sent again, since its answer was lost, does nothing again.
 
-The same key with the same body brings the job of the first time, with another body a 422.
+The same key with the same body brings the job of the first time, with another body a 422. Clients
+with different API keys have nothing to do with each other's.
 """
 
 import hashlib
@@ -27,8 +28,10 @@ def key_of(request: Request, body: Mapping[str, Any]) -> IdempotencyKey | None:
         return None
     if not _KEY.fullmatch(key):
         raise InvalidInput(f"must be 1 to {LONGEST_KEY} visible ASCII characters", field=HEADER)
+    client = getattr(request.state, "key_id", None)
+    name = key if client is None else f"{client} {key}"  # no key of a client holds a space
     asked = json.dumps([request.url.path, body], sort_keys=True)
-    return IdempotencyKey(key, hashlib.sha256(asked.encode()).hexdigest())
+    return IdempotencyKey(name, hashlib.sha256(asked.encode()).hexdigest())
 
 
 KEY_PARAMETER: Final[dict[str, Any]] = {

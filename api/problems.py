@@ -97,8 +97,14 @@ PROBLEMS: Final[Mapping[type[errors.RaysvcError], Problem]] = MappingProxyType(
             HTTPStatus.FORBIDDEN, "not-allowed", "The key does not reach that far"
         ),
         errors.QueueFull: Problem(HTTPStatus.TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
-        errors.KeyReused: Problem(
-            HTTPStatus.UNPROCESSABLE_ENTITY, "key-reused", "The key stands for another request"
+        errors.Busy: Problem(
+            HTTPStatus.SERVICE_UNAVAILABLE, "busy", "Its turn did not come in time"
+        ),
+        errors.InUse: Problem(HTTPStatus.CONFLICT, "in-use", "Jobs are going to need it"),
+        errors.IdempotencyKeyReused: Problem(
+            HTTPStatus.UNPROCESSABLE_ENTITY,
+            "idempotency-key-reused",
+            "The idempotency key stands for another request",
         ),
         errors.Draining: Problem(
             HTTPStatus.SERVICE_UNAVAILABLE, "draining", "The service is shutting down"
@@ -167,7 +173,7 @@ def _answer(
 async def _raysvc_error(request: Request, error: Exception) -> SafeJSONResponse:
     assert isinstance(error, errors.RaysvcError)
     headers = {}
-    if isinstance(error, errors.QueueFull):
+    if isinstance(error, errors.QueueFull | errors.Busy):
         headers["Retry-After"] = str(math.ceil(error.retry_after_s))
     elif isinstance(error, errors.Draining | errors.StorageFull):
         headers["Retry-After"] = str(RESTART_S)

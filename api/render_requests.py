@@ -19,6 +19,9 @@ def submit(
 
     Raises InvalidInput, NotFound, QueueFull, Draining, StorageFull.
     """
+    known = service.known(key, RenderRequest)
+    if known is not None:
+        return known  # though its scene may have gone since
     for name in body:
         if name not in RenderBody.model_fields:
             raise InvalidSetting("unknown key", field=name)

@@ -102,6 +102,7 @@ class JobResource(BaseModel):
     progress: float = Field(description="How much of the stage is done, 0..1; 1 when done.")
     position: int | None = Field(description="Jobs that run before this one, while it waits.")
     attempts: int = Field(description="How often it was begun: again, when the process died.")
+    heartbeat: str | None = Field(description="When it was last seen to get on, while it runs.")
     created: str
     started: str | None
     finished: str | None
@@ -175,16 +176,18 @@ def environment_resource(record: Record) -> EnvironmentResource:
 def job_fields(job: Job[Request], position: int | None, links: Mapping[str, str]) -> dict[str, Any]:
     """What every job says of itself; `links` lead to its result, once it is there."""
     state = job.state  # read first: what belongs to a state is set before the state is
+    running = state is JobState.RUNNING
     path = f"/v1/{job.request.kind}s/{job.id}"
     there = {name: f"{path}/{tail}" for name, tail in links.items() if state is JobState.DONE}
     events = {} if job.finished.done() else {"events": f"{path}/events"}
     return {
         "id": job.id,
         "state": state,
-        "stage": job.stage if state is JobState.RUNNING else None,
+        "stage": job.stage if running else None,
         "progress": 1.0 if state is JobState.DONE else job.stage_fraction,
         "position": position,
         "attempts": job.attempts,
+        "heartbeat": _time(job.heartbeat_s) if running and job.heartbeat_s else None,
         "created": _time(job.created_s),
         "started": _time(job.started_s) if job.started_s else None,
         "finished": _time(job.finished_s) if job.finished_s else None,

@@ -29,7 +29,7 @@ class ApiSettings(LimitSettings):
     kept_jobs: int = Field(
         1_000, ge=1, description="Jobs that are remembered; the oldest finished one goes first."
     )
-    key_life_s: float = Field(
+    idempotency_key_life_s: float = Field(
         86_400.0, gt=0, description="How long an `Idempotency-Key` stands for its job."
     )
     deadline_s: float = Field(
@@ -45,7 +45,13 @@ class ApiSettings(LimitSettings):
         2,
         ge=1,
         le=64,
-        description="Pictures, and what else takes its time, that are made at a time.",
+        description="Requests for jobs that are checked, and pictures encoded, at a time.",
+    )
+    long_threads: int = Field(
+        2,
+        ge=1,
+        le=64,
+        description="Environments filtered, and pictures given a lens, at a time; one more is 429.",
     )
     scene_memory_bytes: int = Field(
         1 << 30, ge=0, description="Parsed scenes that are kept in memory."
@@ -98,7 +104,7 @@ class ApiSettings(LimitSettings):
             data_dir=self.data_dir,
             queue_size=self.queue_size,
             kept_jobs=self.kept_jobs,
-            key_life_s=self.key_life_s,
+            idempotency_key_life_s=self.idempotency_key_life_s,
             deadline_s=self.deadline_s,
             scene_memory_bytes=self.scene_memory_bytes,
             environment_memory_bytes=self.environment_memory_bytes,

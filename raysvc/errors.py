@@ -7,7 +7,7 @@ RaysvcError
   |   - InvalidSetting      a camera, setting or parameter out of its range, or unknown
   |   - Unsupported         correct, and required, but not something that raysvc can do
   |   - LimitExceeded       larger than the limits allow
-  |   - KeyReused           an idempotency key that stands for another request
+  |   - IdempotencyKeyReused  a key that stands for another request
   + NotFound                no such scene, environment, render
   + NotFinished             there will be a picture, but not yet
   + Gone                    there was a picture, and it is no longer kept
@@ -16,6 +16,8 @@ RaysvcError
   + NotAllowed              the key is good, but not for this
   + Unreachable             no service answers there
   + QueueFull               try again later
+  + Busy                    accepted, and its turn did not come in time
+  + InUse                   jobs are going to need it
   + Draining                the service is about to end and takes no more work
   + StorageFull             the disk has no room
   + FolderInUse             another process keeps its data there
@@ -63,7 +65,7 @@ class LimitExceeded(InvalidInput):
     """Input larger than the configured limits."""
 
 
-class KeyReused(InvalidInput):
+class IdempotencyKeyReused(InvalidInput):
     """An idempotency key that was sent with another request before."""
 
 
@@ -114,6 +116,22 @@ class QueueFull(RaysvcError):
     def __init__(self, message: str, retry_after_s: float) -> None:
         super().__init__(message)
         self.retry_after_s = retry_after_s
+
+
+class Busy(RaysvcError):
+    """What was asked for waited in the line for as long as it may, and was given up."""
+
+    retryable = True
+
+    def __init__(self, message: str, retry_after_s: float) -> None:
+        super().__init__(message)
+        self.retry_after_s = retry_after_s
+
+
+class InUse(RaysvcError):
+    """It cannot go yet: jobs that wait or run are going to read it."""
+
+    retryable = True
 
 
 class Draining(RaysvcError):

@@ -7,6 +7,7 @@ from typing import Any, Final
 import httpx
 
 from raysvc.errors import (
+    Busy,
     InvalidInput,
     NotAllowed,
     NotFinished,
@@ -48,8 +49,8 @@ def error_from(problem: Mapping[str, Any], headers: Mapping[str, str] | None = N
     if kind is None:
         blamed = 400 <= int(problem.get("status") or 500) < 500
         kind = InvalidInput if blamed else RaysvcError
-    if kind is QueueFull:
-        return QueueFull(message, retry_after_s(headers) or DEFAULT_RETRY_S)
+    if kind in (QueueFull, Busy):
+        return kind(message, retry_after_s(headers) or DEFAULT_RETRY_S)
     if kind is NotFinished:
         return NotFinished(message, field, retryable=bool(problem.get("retryable")))
     if kind is NotAllowed:

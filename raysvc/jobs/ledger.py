@@ -1,7 +1,8 @@
 """The jobs of a service in SQLite, as they outlive the process.
 
 Write-ahead log, and `synchronous=FULL`: when a call returns, what it wrote survives the death of
-the process and the loss of power. Signs of life are the exception, nobody needs those afterwards.
+the process and the loss of power. That a job runs, and its signs of life, are the exception: they
+survive the process alone, since after a loss of power nobody asks whose fault it was.
 A row is written anew with each move of its job; `raysvc.jobs.model` knows the legal ones.
 """
 
@@ -22,7 +23,7 @@ from raysvc.jobs.model import JobRecord, JobState
 from raysvc.jobs.request_text import request_from, request_text
 
 LEDGER_FILE: Final = "jobs.sqlite"
-LAYOUT: Final = 1
+LAYOUT: Final = 2
 """Kept as SQLite's `user_version`."""
 
 NO_ROOM: Final = frozenset({sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR})
@@ -34,6 +35,8 @@ CREATE TABLE jobs (
     id TEXT NOT NULL UNIQUE,
     state TEXT NOT NULL,
     attempts INTEGER NOT NULL,
+    starts INTEGER NOT NULL,
+    interruptions INTEGER NOT NULL,
     cancel_asked INTEGER NOT NULL,
     stage_fraction REAL NOT NULL,        -- of the stage that ran when this was written
     owner TEXT,                          -- the process that runs it, and that alone may move it
@@ -47,7 +50,7 @@ CREATE TABLE jobs (
 );
 CREATE INDEX unfinished ON jobs (number) WHERE finished_s IS NULL;
 CREATE INDEX finished ON jobs (finished_s) WHERE finished_s IS NOT NULL;
-CREATE TABLE keys (
+CREATE TABLE idempotency_keys (
     key TEXT PRIMARY KEY,
     fingerprint TEXT NOT NULL,           -- of the request that it was first sent with
     job TEXT NOT NULL REFERENCES jobs (id) ON DELETE CASCADE,
@@ -55,14 +58,22 @@ CREATE TABLE keys (
 );
 """
 
+_FROM_LAYOUT_1: Final = """
+ALTER TABLE jobs ADD COLUMN starts INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN interruptions INTEGER NOT NULL DEFAULT 0;
+UPDATE jobs SET starts = attempts;
+ALTER TABLE keys RENAME TO idempotency_keys;
+"""
+
 _INSERT: Final = """
-INSERT INTO jobs (id, state, attempts, cancel_asked, stage_fraction, owner, heartbeat_s, created_s,
-                  started_s, finished_s, request, statistics, error)
-VALUES (:id, :state, :attempts, :cancel_asked, :stage_fraction, :owner, :heartbeat_s, :created_s,
-        :started_s, :finished_s, :request, :statistics, :error)
+INSERT INTO jobs (id, state, attempts, starts, interruptions, cancel_asked, stage_fraction, owner,
+                  heartbeat_s, created_s, started_s, finished_s, request, statistics, error)
+VALUES (:id, :state, :attempts, :starts, :interruptions, :cancel_asked, :stage_fraction, :owner,
+        :heartbeat_s, :created_s, :started_s, :finished_s, :request, :statistics, :error)
 """
 _UPDATE: Final = """
-UPDATE jobs SET state = :state, attempts = :attempts, cancel_asked = :cancel_asked,
+UPDATE jobs SET state = :state, attempts = :attempts, starts = :starts,
+    interruptions = :interruptions, cancel_asked = :cancel_asked,
     stage_fraction = :stage_fraction, owner = :owner, heartbeat_s = :heartbeat_s,
     started_s = :started_s, finished_s = :finished_s, statistics = :statistics, error = :error
 WHERE id = :id AND (owner IS NULL OR owner = :me)
@@ -89,15 +100,17 @@ class Ledger:
         what running jobs are marked with
     kept_jobs
         how many jobs are remembered; of more, those go that finished first
-    key_life_s
+    idempotency_key_life_s
         how long an idempotency key stands for its job, in seconds
 
     Raises RaysvcError for a damaged file, and for one of another layout.
     """
 
-    def __init__(self, folder: Path, owner: str, kept_jobs: int, key_life_s: float) -> None:
+    def __init__(
+        self, folder: Path, owner: str, kept_jobs: int, idempotency_key_life_s: float
+    ) -> None:
         path = folder / LEDGER_FILE
-        self._owner, self._kept_jobs, self._key_life_s = owner, kept_jobs, key_life_s
+        self._owner, self._kept_jobs, self._key_life_s = owner, kept_jobs, idempotency_key_life_s
         self._write_lock, self._read_lock = threading.Lock(), threading.Lock()
         try:
             self._writer, self._reader = _connected(path), _connected(path)
@@ -118,7 +131,7 @@ class Ledger:
             cursor.execute(_INSERT, self._row(record))
             if key is not None:
                 cursor.execute(
-                    "INSERT INTO keys VALUES (?, ?, ?, ?)",
+                    "INSERT INTO idempotency_keys VALUES (?, ?, ?, ?)",
                     (key.key, key.fingerprint, record.id, time.time()),
                 )
 
@@ -127,7 +140,8 @@ class Ledger:
 
         Raises StorageFull, and RaysvcError for a job that another process has taken over.
         """
-        with self._transaction() as cursor:
+        only_runs = record.state is JobState.RUNNING and not record.cancel_asked
+        with self._transaction(sync=not only_runs) as cursor:
             cursor.execute(_UPDATE, self._row(record) | {"me": self._owner})
             if cursor.rowcount != 1:
                 raise RaysvcError(f"another process has taken job {record.id} over")
@@ -153,11 +167,6 @@ class Ledger:
         except ValueError:
             return None
 
-    def heartbeat_s(self, id: str) -> float | None:
-        """Return when a job was last seen to get on, in seconds since 1970."""
-        found = self._read("SELECT heartbeat_s FROM jobs WHERE id = ?", (id,))
-        return found[0]["heartbeat_s"] if found else None
-
     def unfinished(self) -> list[JobRecord]:
         """All jobs that wait or run, in the order in which they were accepted.
 
@@ -174,14 +183,16 @@ class Ledger:
     def keyed(self, key: str) -> tuple[str, str] | None:
         """Return the fingerprint and the job that a key stands for."""
         found = self._read(
-            "SELECT fingerprint, job FROM keys WHERE key = ? AND created_s > ?",
+            "SELECT fingerprint, job FROM idempotency_keys WHERE key = ? AND created_s > ?",
             (key, time.time() - self._key_life_s),
         )
         return (found[0]["fingerprint"], found[0]["job"]) if found else None
 
     def _forget(self, cursor: sqlite3.Cursor) -> None:
         """Make room for a new job and a new key."""
-        cursor.execute("DELETE FROM keys WHERE created_s <= ?", (time.time() - self._key_life_s,))
+        cursor.execute(
+            "DELETE FROM idempotency_keys WHERE created_s <= ?", (time.time() - self._key_life_s,)
+        )
         (count,) = cursor.execute("SELECT count(*) FROM jobs").fetchone()
         surplus = count + 1 - self._kept_jobs
         if surplus > 0:
@@ -204,10 +215,12 @@ class Ledger:
             "id": record.id,
             "state": record.state,
             "attempts": record.attempts,
+            "starts": record.starts,
+            "interruptions": record.interruptions,
             "cancel_asked": record.cancel_asked,
             "stage_fraction": record.stage_fraction,
             "owner": self._owner if running else None,
-            "heartbeat_s": time.time() if running else None,
+            "heartbeat_s": record.heartbeat_s,
             "created_s": record.created_s,
             "started_s": record.started_s,
             "finished_s": record.finished_s,
@@ -257,6 +270,8 @@ def _prepare(connection: sqlite3.Connection) -> None:
     (layout,) = connection.execute("PRAGMA user_version").fetchone()
     if layout == 0:
         connection.executescript(f"BEGIN; {SCHEMA} PRAGMA user_version = {LAYOUT}; COMMIT;")
+    elif layout == 1:
+        connection.executescript(f"BEGIN; {_FROM_LAYOUT_1} PRAGMA user_version = {LAYOUT}; COMMIT;")
     elif layout != LAYOUT:
         raise sqlite3.DatabaseError(f"its layout is {layout}, and this version reads {LAYOUT}")
 
@@ -275,4 +290,7 @@ def _record(row: sqlite3.Row) -> JobRecord:
         row["finished_s"],
         None if statistics is None else json.loads(statistics),
         None if error is None else error_from(error),
+        row["starts"],
+        row["interruptions"],
+        row["heartbeat_s"],
     )

@@ -29,6 +29,7 @@ class JobQueue:
 
     def __len__(self) -> int:
         with self._changed:
+            self._forget_cancelled()
             return len(self._waiting)
 
     def check_room(self) -> None:
@@ -85,6 +86,13 @@ class JobQueue:
 
     def _forget_cancelled(self) -> None:
         self._waiting = deque(job for job in self._waiting if job.state is JobState.QUEUED)
+
+    @property
+    def retry_after_s(self) -> float:
+        """How long those that wait may take, going by those before."""
+        with self._changed:
+            self._forget_cancelled()
+            return self._retry_after_s()
 
     def _retry_after_s(self) -> float:
         expected = self._mean_seconds * len(self._waiting)

@@ -1,6 +1,7 @@
 """Stores, queue, worker and results, wired together: the service without its protocol."""
 
 import secrets
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,8 +41,8 @@ MakeRenderer = Callable[[ContentStore[Scene], ContentStore[Environment], Limits]
 
 Asked = TypeVar("Asked", RenderRequest, ComparisonRequest)
 
-SHORTEST_INTERRUPTION_S: Final = 5.0
-"""What an interrupted job is given to notice, even without a grace."""
+INTERRUPTION_S: Final = 5.0
+"""What an interrupted job is given to notice, on top of the grace."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,7 @@ class ServiceOptions:
     """How many jobs may wait."""
     kept_jobs: int = 1_000
     """How many jobs are remembered."""
-    key_life_s: float = 86_400.0
+    idempotency_key_life_s: float = 86_400.0
     """How long an idempotency key stands for its job."""
     deadline_s: float | None = 600.0
     """For jobs that do not set their own."""
@@ -95,10 +96,17 @@ class RenderService:
         folder = options.data_dir
         self._lock = FolderLock(folder)
         self._queue = JobQueue(options.queue_size)
-        self._ledger = Ledger(folder, secrets.token_hex(8), options.kept_jobs, options.key_life_s)
+        self._ledger = Ledger(
+            folder, secrets.token_hex(8), options.kept_jobs, options.idempotency_key_life_s
+        )
         self._register = JobRegister(self._ledger, self._queue, observer or Observer())
+        self._results = Results(
+            ResultFolder(folder / "results", options.result_disk_bytes),
+            options.result_memory_bytes,
+            options.comparison_memory_bytes,
+        )
         # Before the stores, which leave what unfinished jobs need when they make room.
-        self._register.recover()
+        self._register.recover(self._held)
         self.parser = Parser(options.parsing, options.limits)
         self.scenes = SceneStore(
             folder / "scenes",
@@ -114,11 +122,6 @@ class RenderService:
             options.environment_disk_bytes,
             lambda: self._needed("environment"),
         )
-        self._results = Results(
-            ResultFolder(folder / "results", options.result_disk_bytes),
-            options.result_memory_bytes,
-            options.comparison_memory_bytes,
-        )
         self._renderer = make_renderer(self.scenes, self.environments, options.limits)
         self._comparer = SceneComparer(self.scenes, options.limits)
         self._worker = Worker(
@@ -128,7 +131,8 @@ class RenderService:
             options.deadline_s,
             self._register.beat,
         )
-        self._draining = False
+        self._drained_s: float | None = None
+        """On the monotonic clock."""
 
     def start(self) -> None:
         """Begin to warm up and to render."""
@@ -138,12 +142,12 @@ class RenderService:
     @property
     def draining(self) -> bool:
         """Will what waits now wait for another process?"""
-        return self._draining
+        return self._drained_s is not None
 
     @property
     def not_ready(self) -> str | None:
         """Why work had better go elsewhere, or None."""
-        if self._draining:
+        if self.draining:
             return "draining"
         if self._worker.stalled:
             return "stalled"
@@ -153,6 +157,11 @@ class RenderService:
     def waiting(self) -> int:
         """How many jobs wait."""
         return len(self._queue)
+
+    @property
+    def retry_after_s(self) -> float:
+        """In how long the jobs that wait now may have run."""
+        return self._queue.retry_after_s
 
     @property
     def caches(self) -> Mapping[str, Counts]:
@@ -181,7 +190,7 @@ class RenderService:
         It is kept when this returns. A key that was sent before brings the job that it stands for.
         Raises InvalidInput, NotFound, QueueFull, Draining, StorageFull.
         """
-        known = self._register.keyed(key, RenderRequest)
+        known = self.known(key, RenderRequest)
         if known is not None:
             return known
         self.scenes.record(request.scene)
@@ -204,7 +213,7 @@ class RenderService:
 
         Raises InvalidInput, Unavailable, NotFound, QueueFull, Draining, StorageFull.
         """
-        known = self._register.keyed(key, ComparisonRequest)
+        known = self.known(key, ComparisonRequest)
         if known is not None:
             return known
         self._queue.check_room()
@@ -213,6 +222,13 @@ class RenderService:
         candidates(request.settings)
         check_size(request.settings, len(scene.triangles), self.limits)
         return self._register.accept(Job(secrets.token_hex(16), request), key)
+
+    def known(self, key: IdempotencyKey | None, kind: type[Asked]) -> Job[Asked] | None:
+        """Return the job that a key stands for, or None; its scene may have gone since.
+
+        Raises IdempotencyKeyReused.
+        """
+        return self._register.keyed(key, kind)
 
     def job(self, id: str, kind: type[Asked]) -> Job[Asked]:
         """Return a job that was asked for with such a request. Raises NotFound."""
@@ -240,22 +256,27 @@ class RenderService:
 
     def drain(self) -> None:
         """Take no more work; what runs goes on, what waits is left to the next process."""
-        self._draining = True
+        if self._drained_s is None:
+            self._drained_s = time.monotonic()
         self._queue.close()
 
     def close(self, grace_s: float) -> None:
         """Drain, give the running job some time, then interrupt it and let the folder go.
 
-        A job that was interrupted is run again by the next process, from its beginning.
+        The grace begins with the draining, which may have been earlier. Without a running job this
+        returns at once, and during a warm-up too. A job that was interrupted is run again by the
+        next process, from its beginning.
         """
         self.drain()
-        ended = self._worker.join(grace_s)
+        assert self._drained_s is not None
+        ended = self._worker.join(max(self._drained_s + grace_s - time.monotonic(), 0.0))
         if not ended:
             for job in self._register.unfinished():
                 job.interrupt()
-            ended = self._worker.join(max(grace_s, SHORTEST_INTERRUPTION_S))
+            ended = self._worker.join(INTERRUPTION_S)
         self.parser.close()
         if ended:
+            self._register.close()
             self._ledger.close()
             self._lock.release()
 
@@ -273,17 +294,33 @@ class RenderService:
         requests = [job.request for job in self._register.unfinished()]
         return {name for request in requests if (name := getattr(request, kind, None)) is not None}
 
-    def _fulfil(self, request: Request, control: Control) -> Mapping[str, Any]:
-        """Make a picture or a comparison, and keep it."""
+    def _held(self, request: Request) -> Mapping[str, Any] | None:
+        """What there is to say about the result of a request, if it is kept."""
         if isinstance(request, ComparisonRequest):
+            comparison = self._results.comparison(request)
+            return None if comparison is None else comparison.to_dict()
+        assert isinstance(request, RenderRequest)
+        picture = self._results.picture(request) if self._results.has_picture(request) else None
+        return None if picture is None else picture.statistics.to_dict()
+
+    def _fulfil(self, job: Job[Request], control: Control) -> Mapping[str, Any]:
+        """Make a picture or a comparison, and keep it."""
+        request: Request = job.request
+        assert isinstance(request, RenderRequest | ComparisonRequest)
+        # Another job may have made it meanwhile, or a process that died before it could say so.
+        held = self._held(request)
+        if held is not None:
+            return held
+        # Before `begin`: an end of the process while files are read is not this job's fault.
+        self.scenes.get(request.scene)
+        if isinstance(request, ComparisonRequest):
+            job.begin()
             comparison = self._comparer.compare(request, control)
             self._results.put_comparison(request, comparison)
             return comparison.to_dict()
-        assert isinstance(request, RenderRequest)
-        # Another job may have made it meanwhile, or a process that died before it could say so.
-        held = self._results.picture(request) if self._results.has_picture(request) else None
-        if held is not None:
-            return held.statistics.to_dict()
+        if request.environment is not None:
+            self.environments.get(request.environment)
+        job.begin()
         picture = self._renderer.render(request, control)
         statistics = picture.statistics.to_dict()
         self._results.put_picture(request, picture)

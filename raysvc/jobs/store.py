@@ -21,7 +21,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
-from raysvc.errors import InvalidSetting, NotFound
+from raysvc.errors import InUse, InvalidSetting, NotFound
 from raysvc.jobs.disk_budget import DiskBudget, DiskCounts
 from raysvc.jobs.durable_file import room_needed, sync_folder, write_file
 from raysvc.jobs.lru import Counts, LeastRecentlyUsed
@@ -118,6 +118,7 @@ class ContentStore(Generic[Thing]):
         (folder / "incoming").mkdir(parents=True)
         found = [_read_record(path) for path in folder.iterdir() if len(path.name) == ID_DIGITS]
         self._records = {record.id: record for record in found if record is not None}
+        self._needed = needed
         self._budget = DiskBudget(disk_bytes, needed)
         self._budget.take_in(_use_and_size(folder / id) for id in self._records)
         self._evict()
@@ -181,8 +182,13 @@ class ContentStore(Generic[Thing]):
         return self._budget.counts
 
     def delete(self, id: str) -> None:
-        """Forget a thing and its files. Raises NotFound."""
+        """Forget a thing and its files. Raises NotFound, and InUse for what jobs need."""
         self.record(id)
+        if id in self._needed():
+            raise InUse(f"jobs are going to need the {self._kind.name}", self._kind.name)
+        self._remove(id)
+
+    def _remove(self, id: str) -> None:
         self._records.pop(id, None)
         self._parsed.drop(id)
         self._budget.drop(id)
@@ -202,8 +208,7 @@ class ContentStore(Generic[Thing]):
     def _evict(self) -> None:
         for id in self._budget.surplus():
             logger.info("the %s %s makes room", self._kind.name, id)
-            with contextlib.suppress(NotFound):
-                self.delete(id)
+            self._remove(id)
 
     def _load(self, record: Record) -> Thing:
         if record.builtin is not None:

@@ -18,8 +18,9 @@ logger = logging.getLogger(__name__)
 PATIENCE_S: Final = 30.0
 """How long after its deadline a job is thought to be on its way out."""
 
-Fulfil = Callable[[Request, Control], Mapping[str, Any]]
-"""Does what a request asks, keeps the result, and returns what there is to say about it."""
+Fulfil = Callable[[Job[Request], Control], Mapping[str, Any]]
+"""Does what a job is asked for, keeps the result, and returns what there is to say about it; calls
+the job's `begin` once everything is at hand."""
 
 
 class Worker:
@@ -41,6 +42,8 @@ class Worker:
         self._deadline_s = deadline_s
         self._beat = beat
         self._overdue_s: float | None = None
+        self._takes_jobs = threading.Event()
+        """Set before the first job is taken."""
         self._thread = threading.Thread(target=self._run, name="raysvc-worker", daemon=True)
 
     def start(self) -> None:
@@ -48,7 +51,12 @@ class Worker:
         self._thread.start()
 
     def join(self, timeout_s: float) -> bool:
-        """Wait for the thread to end after the queue was closed; False if it is still busy."""
+        """Wait for its job to end after the queue was closed; False if it is still busy.
+
+        A warm-up is not waited for: it cannot be interrupted, and no job can follow it any more.
+        """
+        if not self._takes_jobs.is_set():
+            return True
         if self._thread.ident is not None:
             self._thread.join(timeout_s)
         return not self._thread.is_alive()
@@ -65,6 +73,7 @@ class Worker:
             self.warm.set()
         except Exception:
             logger.exception("warming up failed; this service will not get ready")
+        self._takes_jobs.set()
         while (job := self._queue.take()) is not None:
             self._do(job)
 
@@ -82,7 +91,7 @@ class Worker:
         began = time.monotonic()
         self._overdue_s = None if deadline_s is None else began + deadline_s + PATIENCE_S
         try:
-            job.finish(self._fulfil(request, control))
+            job.finish(self._fulfil(job, control))
         except Cancelled:
             job.stop()
         except RaysvcError as error:

@@ -95,7 +95,7 @@ def every_error() -> list[type[errors.RaysvcError]]:
 
 @pytest.mark.parametrize("kind", every_error())
 def test_every_kind_of_error_has_a_problem(kind: type[errors.RaysvcError]) -> None:
-    error = kind("message", 1.0) if kind is errors.QueueFull else kind("message")  # type: ignore[arg-type]
+    error = kind("message", 1.0) if kind in (errors.QueueFull, errors.Busy) else kind("message")  # type: ignore[arg-type]
     problem = problem_of(error)
     if isinstance(error, errors.InvalidInput):
         assert 400 <= problem.status < 500

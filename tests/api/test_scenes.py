@@ -1,10 +1,12 @@
 import io
+import time
 import zipfile
 from pathlib import Path
 
 import pytest
 from fastapi.testclient import TestClient
 
+from raysvc.jobs import PatternRenderer
 from tests.api.conftest import MakeClient
 from tests.api.glb import POSITIONS, glb, gltf
 
@@ -133,3 +135,16 @@ def test_too_many_files_are_refused(make_client: MakeClient) -> None:
     client = make_client(max_upload_files=3)
     files = [("file", (f"{n}.bin", b"x")) for n in range(5)]
     assert client.post("/v1/scenes", files=files).status_code == 413
+
+
+def test_a_scene_that_a_job_needs_is_not_deleted(make_client: MakeClient) -> None:
+    client = make_client(PatternRenderer(seconds=30.0, steps=3000))
+    job = client.post("/v1/renders", json={"scene": "builtin:cornell"}).json()
+    path = f"/v1/scenes/{job['scene']}"
+    refused = client.delete(path)
+    assert (refused.status_code, refused.json()["type"]) == (409, "urn:raysvc:problem:in-use")
+    assert refused.json()["retryable"] is True
+    client.delete(job["links"]["self"])
+    while client.get(job["links"]["self"]).json()["state"] == "running":
+        time.sleep(0.01)
+    assert client.delete(path).status_code == 204

@@ -24,8 +24,8 @@ Opened = Callable[..., Ledger]
 def opened(tmp_path: Path) -> Iterator[Opened]:
     with ExitStack() as stack:
 
-        def open_ledger(owner: str = "me", kept: int = 100, key_life_s: float = 1000.0) -> Ledger:
-            return stack.enter_context(closing(Ledger(tmp_path, owner, kept, key_life_s)))
+        def open_ledger(owner: str = "me", kept: int = 100, life_s: float = 1000.0) -> Ledger:
+            return stack.enter_context(closing(Ledger(tmp_path, owner, kept, life_s)))
 
         yield open_ledger
 
@@ -56,6 +56,9 @@ def test_a_job_is_read_as_it_was_written(opened: Opened, asked: RenderRequest) -
     written = record(
         request=asked,
         attempts=2,
+        starts=4,
+        interruptions=1,
+        heartbeat_s=0.7,
         cancel_asked=True,
         stage_fraction=0.25,
         started_s=0.1 + 0.2,
@@ -106,7 +109,7 @@ def test_a_key_stands_for_its_job_until_it_is_too_old(opened: Opened) -> None:
     opened().accept(record(), IdempotencyKey("key", "fingerprint"))
     assert opened().keyed("key") == ("fingerprint", "job")
     assert opened().keyed("another") is None
-    hasty = opened(key_life_s=0.0)
+    hasty = opened(life_s=0.0)
     assert hasty.keyed("key") is None
     hasty.accept(record("next"), IdempotencyKey("key", "another"))
     assert opened().keyed("key") == ("another", "next")
@@ -129,15 +132,35 @@ def test_a_refused_key_leaves_no_job(opened: Opened) -> None:
     assert ledger.find("second") is None
 
 
+def heartbeat_s(ledger: Ledger, id: str) -> float | None:
+    read = ledger.find(id)
+    assert read is not None
+    return read.heartbeat_s
+
+
 def test_a_running_job_has_a_heartbeat(opened: Opened) -> None:
     ledger = opened()
     ledger.accept(record())
-    assert ledger.heartbeat_s("job") is None
-    ledger.write(record(state=JobState.RUNNING, attempts=1, started_s=2.0))
-    first = ledger.heartbeat_s("job")
+    assert heartbeat_s(ledger, "job") is None
+    ledger.write(record(state=JobState.RUNNING, attempts=1, started_s=2.0, heartbeat_s=2.0))
+    assert heartbeat_s(ledger, "job") == 2.0
     ledger.beat("job")
-    second = ledger.heartbeat_s("job")
-    assert first is not None and second is not None and second > first
+    second = heartbeat_s(ledger, "job")
+    assert second is not None and second > 2.0
+
+
+def test_a_ledger_of_the_layout_before_is_read(tmp_path: Path, opened: Opened) -> None:
+    with closing(opened()) as ledger:
+        ledger.accept(record(attempts=2), IdempotencyKey("key", "print"))
+    with closing(sqlite3.connect(tmp_path / LEDGER_FILE)) as old:
+        old.executescript(
+            "ALTER TABLE jobs DROP COLUMN starts; ALTER TABLE jobs DROP COLUMN interruptions;"
+            "ALTER TABLE idempotency_keys RENAME TO keys; PRAGMA user_version = 1;"
+        )
+    for _ in range(2):
+        with closing(opened()) as ledger:
+            assert ledger.find("job") == record(attempts=2, starts=2)
+            assert ledger.keyed("key") == ("print", "job")
 
 
 def test_who_lost_a_job_can_move_it_no_more(opened: Opened) -> None:
@@ -148,9 +171,9 @@ def test_who_lost_a_job_can_move_it_no_more(opened: Opened) -> None:
     with pytest.raises(RaysvcError, match="taken job job over"):
         quick.write(record(**DONE))
     quick.take_over()
-    beaten_s = quick.heartbeat_s("job")
+    beaten_s = heartbeat_s(quick, "job")
     slow.beat("job")
-    assert quick.heartbeat_s("job") == beaten_s
+    assert heartbeat_s(quick, "job") == beaten_s
     with pytest.raises(RaysvcError, match="taken job job over"):
         slow.write(record(**DONE))
     quick.write(record(**DONE))

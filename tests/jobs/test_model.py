@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from raysvc.errors import Cancelled, Crashed, InvalidScene, StorageFull
 from raysvc.jobs import Job, JobState
-from raysvc.jobs.model import MOST_ATTEMPTS, TRANSITIONS, JobRecord
+from raysvc.jobs.model import MOST_ATTEMPTS, MOST_FALSE_STARTS, TRANSITIONS, JobRecord
 from raysvc.parallel import Control
 from tests.jobs.requests import job, request
 
@@ -107,6 +107,66 @@ def test_a_job_whose_process_died_too_often_fails_and_says_so() -> None:
     assert isinstance(some.error, Crashed) and "3 times" in some.error.message
 
 
+def test_a_job_that_came_to_keep_its_result_is_done_however_often_it_was_tried() -> None:
+    some = Job.restored(running(MOST_ATTEMPTS))
+    some.recover({"seconds": 1.0})
+    assert (some.state, some.statistics) == (JobState.DONE, {"seconds": 1.0})
+
+
+def test_an_attempt_counts_once_it_has_begun() -> None:
+    some, kept = job(), []
+    some.keep = kept.append
+    some.start(Control())
+    assert (some.attempts, kept[-1].attempts, kept[-1].starts) == (1, 0, 1)
+    some.begin()
+    some.begin()
+    assert [(record.attempts, record.starts) for record in kept] == [(0, 1), (1, 1)]
+    some.stop()
+    assert (kept[-1].attempts, kept[-1].starts, kept[-1].interruptions) == (0, 1, 1)
+
+
+def test_a_process_that_dies_before_it_begins_is_not_the_jobs_fault_until_it_often_does() -> None:
+    some = job()
+    for starts in range(1, MOST_FALSE_STARTS + 1):
+        assert some.start(Control())
+        record = some.record()
+        assert (record.attempts, record.starts) == (0, starts)
+        some = Job.restored(record)
+        some.recover()
+        assert some.state is (JobState.QUEUED if starts < MOST_FALSE_STARTS else JobState.FAILED)
+    assert isinstance(some.error, Crashed) and "10 times" in some.error.message
+
+
+def test_a_result_that_was_held_is_an_attempt_as_well() -> None:
+    some = job()
+    some.start(Control())
+    some.finish({})
+    assert some.attempts == some.record().attempts == 1
+
+
+def test_revisions_grow_over_an_interruption() -> None:
+    some = job()
+    for _ in range(3):
+        some.start(Control())
+        some.begin()
+        some.report("light", 0.5)
+        before = some.revision
+        some.stop()
+        some = Job.restored(some.record())
+        assert some.revision > before
+
+
+def test_a_running_job_has_a_heartbeat() -> None:
+    some = job()
+    assert some.heartbeat_s is None
+    some.start(Control())
+    first = some.heartbeat_s
+    some.report("light", 0.5)
+    assert first is not None and some.heartbeat_s is not None
+    assert some.created_s <= first <= some.heartbeat_s
+    assert Job.restored(some.record()).heartbeat_s == some.heartbeat_s
+
+
 def test_a_job_that_was_to_be_cancelled_when_its_process_died_is() -> None:
     some = Job.restored(running(1, cancel_asked=True))
     some.recover()
@@ -136,6 +196,7 @@ def test_revisions_only_grow_also_over_a_restart() -> None:
 
 MOVES = {
     "start": lambda some: some.start(Control()),
+    "begin": lambda some: some.begin(),
     "finish": lambda some: some.finish({}),
     "fail": lambda some: some.fail(InvalidScene("broken")),
     "stop": lambda some: some.stop(),

@@ -66,3 +66,11 @@ def test_what_was_accepted_before_joins_a_line_that_is_full() -> None:
     with pytest.raises(QueueFull):
         queue.check_room()
     assert [queue.take() for _ in range(3)] == jobs
+
+
+def test_a_cancelled_job_is_not_counted() -> None:
+    queue, some = JobQueue(2), job()
+    queue.put(some)
+    assert len(queue) == 1
+    some.cancel()
+    assert len(queue) == 0

@@ -1,15 +1,21 @@
 import errno
 import os
+import sqlite3
+import threading
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from raysvc.compare.settings import ComparisonSettings
 from raysvc.errors import (
     Draining,
     FolderInUse,
     Gone,
+    InUse,
     InvalidSetting,
     NotFinished,
     NotFound,
@@ -17,8 +23,17 @@ from raysvc.errors import (
 )
 from raysvc.frame.settings import Settings
 from raysvc.frame.view import View
-from raysvc.jobs import JobState, PatternRenderer, RenderRequest, RenderService, ServiceOptions
+from raysvc.jobs import (
+    ComparisonRequest,
+    Job,
+    JobState,
+    PatternRenderer,
+    RenderRequest,
+    RenderService,
+    ServiceOptions,
+)
 from raysvc.jobs.kept_picture import KeptPicture
+from raysvc.jobs.ledger import LEDGER_FILE
 from raysvc.parallel import Control
 from raysvc.parsing import ParserOptions
 
@@ -150,6 +165,102 @@ def test_a_folder_serves_one_process(tmp_path: Path) -> None:
         service_in(tmp_path, PatternRenderer())
     service.close(1.0)
     service_in(tmp_path, PatternRenderer()).close(1.0)
+
+
+def test_what_a_job_needs_is_not_deleted_before_it_is_done(tmp_path: Path) -> None:
+    service = service_in(tmp_path, PatternRenderer())
+    waiting = service.submit(request(service))
+    with pytest.raises(InUse):
+        service.scenes.delete(waiting.request.scene)
+    service.start()
+    waiting.finished.result(5)
+    assert waiting.state is JobState.DONE
+    service.scenes.delete(waiting.request.scene)
+    service.close(1.0)
+
+
+def test_closing_does_not_wait_for_a_warm_up(tmp_path: Path) -> None:
+    warm, leave = threading.Event(), threading.Event()
+
+    class Slow(PatternRenderer):
+        def warm_up(self) -> None:
+            warm.set()
+            leave.wait(20)
+
+    service = service_in(tmp_path, Slow())
+    service.start()
+    waiting = service.submit(request(service))
+    warm.wait(5)
+    began = time.monotonic()
+    service.close(10.0)
+    assert time.monotonic() - began < 5
+    leave.set()
+    following = service_in(tmp_path, PatternRenderer())
+    assert following.job(waiting.id, RenderRequest).state is JobState.QUEUED
+    following.close(1.0)
+
+
+def test_the_grace_begins_with_the_draining(tmp_path: Path) -> None:
+    service = service_in(tmp_path, PatternRenderer(seconds=60.0, steps=6000))
+    service.start()
+    running = service.submit(request(service))
+    while running.state is JobState.QUEUED:
+        time.sleep(0.005)
+    service.drain()
+    time.sleep(1.0)
+    began = time.monotonic()
+    service.close(1.5)
+    assert time.monotonic() - began < 1.4
+    assert running.state is JobState.QUEUED
+
+
+@pytest.mark.parametrize("kind", ["render", "comparison"])
+def test_a_result_that_was_kept_before_the_third_death_is_not_lost(
+    tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    service = service_in(tmp_path, PatternRenderer())
+    if kind == "render":
+        job: Job[Any] = service.submit(request(service))
+    else:
+        scene, _ = service.scenes.add_builtin("cornell")
+        settings = ComparisonSettings(structures=("brute",), count=10, rounds=1)
+        job = service.submit_comparison(ComparisonRequest(scene.id, settings))
+    service.start()
+    job.finished.result(60)
+    assert job.state is JobState.DONE
+    service.close(1.0)
+    with closing(sqlite3.connect(tmp_path / LEDGER_FILE, isolation_level=None)) as ledger:
+        ledger.execute(
+            "UPDATE jobs SET state = 'running', owner = 'dead', attempts = 3, starts = 3, "
+            "finished_s = NULL, statistics = NULL"
+        )
+    following = service_in(tmp_path, PatternRenderer(fault=AssertionError("not again")))
+    again = following.job(job.id, type(job.request))
+    assert (again.state, again.statistics) == (JobState.DONE, job.statistics)
+    following.close(1.0)
+
+
+def test_a_comparison_that_is_kept_is_not_measured_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    service = service_in(tmp_path, PatternRenderer())
+    scene, _ = service.scenes.add_builtin("cornell")
+    settings = ComparisonSettings(structures=("brute",), count=10, rounds=1)
+    job = service.submit_comparison(ComparisonRequest(scene.id, settings))
+    service.start()
+    job.finished.result(60)
+    service.close(1.0)
+    with closing(sqlite3.connect(tmp_path / LEDGER_FILE, isolation_level=None)) as ledger:
+        ledger.execute(
+            "UPDATE jobs SET state = 'queued', finished_s = NULL, statistics = NULL, attempts = 0"
+        )
+    monkeypatch.setattr("raysvc.jobs.scene_comparer.compare", None)
+    following = service_in(tmp_path, PatternRenderer())
+    again = following.job(job.id, ComparisonRequest)
+    following.start()
+    again.finished.result(10)
+    assert (again.state, again.statistics) == (JobState.DONE, job.statistics)
+    following.close(1.0)
 
 
 def test_two_of_a_request_in_the_line_are_rendered_once(tmp_path: Path) -> None:

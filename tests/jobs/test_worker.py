@@ -13,7 +13,6 @@ from raysvc.jobs import (
     PatternRenderer,
     Picture,
     RenderRequest,
-    Request,
     Worker,
 )
 from raysvc.parallel import Control
@@ -29,7 +28,8 @@ def start() -> Iterator[Start]:
     def begin(renderer: PatternRenderer) -> tuple[JobQueue, dict[str, Picture]]:
         queue, results = JobQueue(8), {}
 
-        def fulfil(request: Request, control: Control) -> Mapping[str, Any]:
+        def fulfil(job: Job, control: Control) -> Mapping[str, Any]:
+            request = job.request
             assert isinstance(request, RenderRequest)
             picture = renderer.render(request, control)
             results[request.name] = picture
@@ -107,9 +107,8 @@ def test_a_job_that_gets_on_is_heard_of() -> None:
     queue = JobQueue(1)
     renderer = PatternRenderer(steps=5)
 
-    def fulfil(request: Request, control: Control) -> Mapping[str, Any]:
-        assert isinstance(request, RenderRequest)
-        return renderer.render(request, control).statistics.to_dict()
+    def fulfil(job: Job, control: Control) -> Mapping[str, Any]:
+        return renderer.render(job.request, control).statistics.to_dict()
 
     worker = Worker(queue, fulfil, renderer.warm_up, None, beats.append)
     some = job()
@@ -126,7 +125,7 @@ def test_a_job_that_is_deaf_to_its_deadline_is_noticed(monkeypatch: pytest.Monke
     monkeypatch.setattr("raysvc.jobs.worker.PATIENCE_S", 0.05)
     queue, ears, heard = JobQueue(1), threading.Event(), threading.Event()
 
-    def fulfil(request: Request, control: Control) -> Mapping[str, Any]:
+    def fulfil(job: Job, control: Control) -> Mapping[str, Any]:
         heard.set()
         ears.wait(10)
         return {}
