@@ -61,7 +61,7 @@ async def for_client(
 ) -> Result:
     """Return what `work` makes on one of the context's threads, and meanwhile listen.
 
-    A client that goes away cancels `control`, by which the work stops.
+    A client that goes away cancels `control`, by which the work stops. Raises QueueFull.
     """
 
     async def listen() -> None:
@@ -71,6 +71,6 @@ async def for_client(
 
     listening = asyncio.create_task(listen())
     try:
-        return await context.heavy(work)
+        return await context.long(work)
     finally:
         listening.cancel()

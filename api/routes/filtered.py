@@ -48,7 +48,7 @@ async def filter_environment(id: str, request: Request, context: ContextDep) -> 
 
     if format == "json":
         check_harmonics_only(body)
-        found = await context.heavy(lambda: sh9(environment(), **turned))
+        found = await context.long(lambda: sh9(environment(), **turned))
         return SafeJSONResponse(found.to_dict(), headers=headers)
 
     check_format(format, len(body.roughness) + body.irradiance)
@@ -65,5 +65,5 @@ async def filter_environment(id: str, request: Request, context: ContextDep) -> 
         )
         return maps.encode(format)
 
-    data = await context.heavy(encoded)
+    data = await context.long(encoded)
     return Response(data, media_type=MEDIA_TYPES[format], headers=headers)

@@ -11,10 +11,10 @@ from api.json_bodies import parse_object, read_json_object
 from api.pictures import ImageQuery, image_response, statistics_headers
 from api.render_requests import submit
 from api.routes.renders import IMAGE_RESPONSE
-from api.routes.stored import PROBLEM_RESPONSES
+from api.routes.stored import PROBLEM_RESPONSE, PROBLEM_RESPONSES
 from api.waiting import wait_for
-from raysvc.errors import Cancelled, DeadlineExceeded, Draining, InvalidInput
-from raysvc.jobs import ContentStore
+from raysvc.errors import Busy, Cancelled, DeadlineExceeded, Draining, InvalidInput
+from raysvc.jobs import ContentStore, JobState
 
 router = APIRouter(prefix="/v1/render", tags=["renders"], responses=PROBLEM_RESPONSES)
 
@@ -57,7 +57,14 @@ ONE_SHOT_BODY = {
 
 
 @router.post(
-    "", response_class=Response, responses={200: IMAGE_RESPONSE}, openapi_extra=ONE_SHOT_BODY
+    "",
+    response_class=Response,
+    responses={
+        200: IMAGE_RESPONSE,
+        503: PROBLEM_RESPONSE
+        | {"description": "Its turn did not come in time, or the service is shutting down"},
+    },
+    openapi_extra=ONE_SHOT_BODY,
 )
 async def render(
     query: Annotated[ImageQuery, Query()], request: Request, context: ContextDep
@@ -77,7 +84,13 @@ async def render(
     if not await wait_for(job, settings.deadline_s, request, context):
         if context.service.draining:
             raise Draining("the service is shutting down; the render goes on in the next process")
+        waited = job.state is JobState.QUEUED
         await anyio.to_thread.run_sync(job.cancel)
+        if waited:
+            raise Busy(
+                f"the render waited for {settings.deadline_s:g} seconds, and its turn did not come",
+                context.service.retry_after_s,
+            )
         raise DeadlineExceeded(f"no picture within {settings.deadline_s:g} seconds", "deadline_s")
     if job.statistics is None and job.error is None:
         raise Cancelled("the render was cancelled")

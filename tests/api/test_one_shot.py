@@ -1,4 +1,5 @@
 import json
+import time
 
 import pytest
 from fastapi.testclient import TestClient
@@ -84,3 +85,19 @@ def test_an_error_of_the_render_is_the_answer(make_client: MakeClient) -> None:
     client = make_client(PatternRenderer(fault=DeadlineExceeded("too slow", field="deadline_s")))
     response = client.post("/v1/render", json={"scene": "builtin:cornell"})
     assert (response.status_code, response.json()["field"]) == (422, "deadline_s")
+
+
+def test_a_picture_whose_turn_does_not_come_is_not_the_clients_fault(
+    make_client: MakeClient,
+) -> None:
+    client = make_client(PatternRenderer(seconds=30.0, steps=3000), deadline_s=0.5)
+    # A render that sets its own deadline may run for longer than others wait.
+    long = {"scene": "builtin:cornell", "settings": {"deadline_s": 100}}
+    running = client.post("/v1/renders", json=long).headers["Location"]
+    while client.get(running).json()["state"] == "queued":
+        time.sleep(0.01)
+    refused = client.post("/v1/render", json={"scene": "builtin:cornell"})
+    assert (refused.status_code, refused.json()["retryable"]) == (503, True)
+    assert refused.json()["type"] == "urn:raysvc:problem:busy"
+    assert int(refused.headers["Retry-After"]) > 0
+    assert "503" in client.get("/openapi.json").json()["paths"]["/v1/render"]["post"]["responses"]
