@@ -127,7 +127,7 @@ class RenderService:
         self._worker = Worker(
             self._queue,
             self._fulfil,
-            self._renderer.warm_up,
+            self._warm_up,
             options.deadline_s,
             self._register.beat,
         )
@@ -136,7 +136,6 @@ class RenderService:
 
     def start(self) -> None:
         """Begin to warm up and to render."""
-        self.parser.start()
         self._worker.start()
 
     @property
@@ -279,6 +278,18 @@ class RenderService:
             self._register.close()
             self._ledger.close()
             self._lock.release()
+
+    def _warm_up(self) -> None:
+        """Get the kernels ready, and then the readers of uploads.
+
+        Those import as much as this process did. At the same time they would make it wait for
+        processors; an upload that comes before has its reader started at once.
+        """
+        try:
+            self._renderer.warm_up()
+        finally:
+            if not self.draining:
+                self.parser.start()
 
     def _check(self, request: RenderRequest) -> None:
         """Raise InvalidInput for what the scene cannot be asked for, or is too much."""

@@ -9,8 +9,8 @@ def every_error() -> list[errors.RaysvcError]:
     """One of every kind that the core raises, with all there is to say."""
     made: list[errors.RaysvcError] = []
     for kind in error_kinds().values():
-        if kind is errors.QueueFull:
-            made.append(errors.QueueFull("message", 3.0))
+        if kind is errors.QueueFull or kind is errors.Busy:
+            made.append(kind("message", 3.0))  # type: ignore[arg-type]
         elif kind is errors.NotFinished:
             made.append(errors.NotFinished("message", "render", retryable=True))
         elif kind in PROBLEMS and kind is not errors.RaysvcError:
