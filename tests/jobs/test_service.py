@@ -200,6 +200,29 @@ def test_closing_does_not_wait_for_a_warm_up(tmp_path: Path) -> None:
     following.close(1.0)
 
 
+def test_readers_of_uploads_start_once_the_kernels_are_warm(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    order: list[str] = []
+    started = threading.Event()
+
+    class Noting(PatternRenderer):
+        def warm_up(self) -> None:
+            time.sleep(0.05)
+            order.append("kernels")
+
+    def start() -> None:
+        order.append("readers")
+        started.set()
+
+    service = service_in(tmp_path, Noting())
+    monkeypatch.setattr(service.parser, "start", start)
+    service.start()
+    assert started.wait(5)
+    assert order == ["kernels", "readers"]
+    service.close(1.0)
+
+
 def test_the_grace_begins_with_the_draining(tmp_path: Path) -> None:
     service = service_in(tmp_path, PatternRenderer(seconds=60.0, steps=6000))
     service.start()
