@@ -2,7 +2,6 @@
 
 import os
 import re
-import tempfile
 from collections.abc import Mapping
 
 import numpy as np
@@ -13,6 +12,7 @@ from raysvc.errors import InvalidEnvironment, LimitExceeded, NotFound, RaysvcErr
 from raysvc.limits import DEFAULT_LIMITS, Limits
 from raysvc.loading.exr_file import read_exr
 from raysvc.loading.files import Files
+from raysvc.loading.named_file import named_file
 from raysvc.scene import Environment
 from raysvc.types import Floats
 
@@ -91,10 +91,7 @@ def _read_hdr(data: bytes, limits: Limits, name: str) -> Floats:
     if b"32-bit_rle_xyze" in data[:_HEADER_BYTES]:
         raise Unsupported("is in XYZ (32-bit_rle_xyze); environments need RGB", name)
     # OpenImageIO's Python binding reads from files only.
-    with tempfile.TemporaryDirectory(prefix="raysvc-") as folder:
-        path = os.path.join(folder, "environment.hdr")
-        with open(path, "wb") as file:
-            file.write(data)
+    with named_file(data, ".hdr") as path:
         picture = OpenImageIO.ImageInput.open(path)
         if picture is None:
             raise InvalidEnvironment(_reason(OpenImageIO.geterror(), path), name)

@@ -1,10 +1,11 @@
-"""Files of strangers, read by a process that can do no harm and may die.
+"""Files of strangers, read by a process that can do little harm and may die.
 
     Parser            a few such processes; hands in files, hands out checked data
       ParserProcess   one of them, as the service sees it: ask, wait, kill
       Launcher        a process that imports everything and forks them: `launching` runs in it
         child         what runs in them: waits for a question, answers, waits
-          confinement what it may not do: much memory, much time, network, other programs
+          confinement what it may not do: much memory, much time, harm to anybody else, by
+            system_calls, readable_folders, capabilities
           tasks       what it can be asked, by `raysvc.loading`
       message         questions and answers as bytes: JSON and raw arrays, nothing that runs
       scene_message   scenes, environments and pictures as messages, checked when they are read

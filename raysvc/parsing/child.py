@@ -7,11 +7,10 @@ question; the end of that direction that there will be none.
 
 import gc
 import os
-import shutil
 import sys
-import tempfile
 
 from raysvc.limits import Limits
+from raysvc.loading import named_file
 from raysvc.parsing.confinement import allow_cpu, confine
 from raysvc.parsing.message import read_message, write_message
 from raysvc.parsing.options import ParserOptions
@@ -19,15 +18,11 @@ from raysvc.parsing.signs import DONE, READY, READY_UNFILTERED
 from raysvc.parsing.tasks import OUT_OF_MEMORY, answer, error
 
 
-def serve(
-    folder: str, file: int, questions: int, answers: int, options: ParserOptions, limits: Limits
-) -> None:
+def serve(file: int, questions: int, answers: int, options: ParserOptions, limits: Limits) -> None:
     """Answer questions until there are no more.
 
     Parameters
     ----------
-    folder
-        for temporary files; removed in the end, as whoever made it may have been killed
     file, questions, answers
         descriptors: of the file for messages, and of the pipes for signs
     """
@@ -36,17 +31,14 @@ def serve(
     for standard in (0, 1, 2):
         os.dup2(nothing, standard)
     os.close(nothing)
-    tempfile.tempdir = folder
-    try:
-        filtered = confine(options.memory_bytes, options.memory_bytes)
-        os.write(answers, READY if filtered else READY_UNFILTERED)
-        while os.read(questions, 1):
-            allow_cpu(options.cpu_seconds)
-            _exchange(file, limits)
-            os.write(answers, DONE)
-            gc.collect()
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+    named_file.prepare()
+    filtered = confine(options.memory_bytes, options.memory_bytes)
+    os.write(answers, READY if filtered else READY_UNFILTERED)
+    while os.read(questions, 1):
+        allow_cpu(options.cpu_seconds)
+        _exchange(file, limits)
+        os.write(answers, DONE)
+        gc.collect()
 
 
 def _exchange(file: int, limits: Limits) -> None:

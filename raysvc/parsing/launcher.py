@@ -33,6 +33,12 @@ _ONE_THREAD: Final = dict.fromkeys(
     ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1"
 )
 """A process with threads cannot be forked safely, and one is enough for a file."""
+_PASSED_ON: Final = (
+    *("PATH", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "HOME", "TMPDIR", "LANG", "LANGUAGE", "TZ"),
+    *("XDG_CACHE_HOME", "RAYSVC_CACHE", "NUMBA_CACHE_DIR"),
+)
+"""Where programs, libraries and compiled kernels are, and the language. What else the service was
+told, such as passwords for other things, is nobody's business who reads files of strangers."""
 
 
 class LauncherDied(Exception):
@@ -56,11 +62,7 @@ class Launcher:
                 ],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
-                env={
-                    **os.environ,
-                    **_ONE_THREAD,
-                    "PYTHONPATH": os.pathsep.join(filter(None, paths)),
-                },
+                env={**_passed_on(), "PYTHONPATH": os.pathsep.join(filter(None, paths))},
                 pass_fds=(theirs.fileno(),),
                 start_new_session=True,
             )
@@ -70,13 +72,11 @@ class Launcher:
         """The kernel's number of the process."""
         return self._process.pid
 
-    def launch(self, folder: str, files: tuple[int, int, int]) -> int:
+    def launch(self, files: tuple[int, int, int]) -> int:
         """Fork a process that reads files, and return its number.
 
         Parameters
         ----------
-        folder
-            for its temporary files
         files
             descriptors: where messages go both ways, where it hears, and where it speaks
 
@@ -84,7 +84,7 @@ class Launcher:
         ------
         LauncherDied
         """
-        return int(self._exchange({"launch": folder}, files))
+        return int(self._exchange({"launch": True}, files))
 
     def reap(self, id: int) -> int:
         """Kill a process that was launched here, and return how it ended: its exit code, or minus
@@ -120,3 +120,10 @@ class Launcher:
         except subprocess.TimeoutExpired:
             return None
         return signal.Signals(-code).name if code < 0 else f"exit code {code}"
+
+
+def _passed_on() -> dict[str, str]:
+    """The environment of what reads files."""
+    told = os.environ.items()
+    kept = {name: value for name, value in told if name in _PASSED_ON or name.startswith("LC_")}
+    return kept | _ONE_THREAD

@@ -32,39 +32,52 @@ def main() -> NoReturn:
     # What is there now stays: nobody need look through it again, nor copy it by doing so.
     gc.collect()
     gc.freeze()
-    with socket.socket(fileno=int(number)) as commands:
-        while True:
-            data, files, _, _ = socket.recv_fds(commands, LONGEST_COMMAND, FILES)
-            if not data:
-                os._exit(0)  # without what libraries do, and say, in the end
-            command = json.loads(data)
-            if "reap" in command:
-                reply = _reaped(command["reap"])
-            else:
-                reply = _launched(commands, command["launch"], files, options, limits)
-            commands.sendall(json.dumps(reply).encode())
+    commands = socket.socket(fileno=int(number))
+    try:
+        while _obeyed(commands, options, limits):
+            pass
+    except ConnectionError:  # whoever was at the other end was killed
+        pass
+    except BaseException:
+        traceback.print_exc()
+        os._exit(1)
+    os._exit(0)  # without what libraries do, and say, in the end
+
+
+def _obeyed(commands: socket.socket, options: ParserOptions, limits: Limits) -> bool:
+    """Do as the next command says; False if there will be none."""
+    data, files, _, _ = socket.recv_fds(commands, LONGEST_COMMAND, FILES)
+    if not data:
+        return False
+    command = json.loads(data)
+    if "reap" in command:
+        reply = _reaped(command["reap"])
+    else:
+        reply = _launched(commands, files, options, limits)
+    commands.sendall(json.dumps(reply).encode())
+    return True
 
 
 def _launched(
-    commands: socket.socket, folder: str, files: list[int], options: ParserOptions, limits: Limits
+    commands: socket.socket, files: list[int], options: ParserOptions, limits: Limits
 ) -> int:
     """Fork; returns the number of the new process, in which it does not return."""
     id = os.fork()
     if id == 0:
         commands.close()
-        _read_files(folder, files, options, limits)
+        _read_files(files, options, limits)
     for file in files:
         os.close(file)
     return id
 
 
-def _read_files(folder: str, files: list[int], options: ParserOptions, limits: Limits) -> NoReturn:
+def _read_files(files: list[int], options: ParserOptions, limits: Limits) -> NoReturn:
     """Be a process that reads files, to the end."""
     code = 1
     try:
         os.setsid()
         file, questions, answers = files
-        serve(folder, file, questions, answers, options, limits)
+        serve(file, questions, answers, options, limits)
         code = 0
     except BaseException:
         traceback.print_exc()

@@ -4,7 +4,6 @@ import contextlib
 import logging
 import os
 import select
-import shutil
 import signal
 import tempfile
 from pathlib import Path
@@ -39,8 +38,6 @@ class ParserProcess:
     def __init__(self, launcher: Launcher, options: ParserOptions) -> None:
         self._launcher, self._options = launcher, options
         with contextlib.ExitStack() as passed_on, contextlib.ExitStack() as ours:
-            self._folder = tempfile.mkdtemp(prefix="raysvc-parser-")
-            ours.callback(shutil.rmtree, self._folder, ignore_errors=True)
             self._file = _anonymous_file()
             ours.callback(os.close, self._file)
             hears, self._says = os.pipe()
@@ -49,7 +46,7 @@ class ParserProcess:
             self._hears, says = os.pipe()
             passed_on.callback(os.close, says)
             ours.callback(os.close, self._hears)
-            self.id = launcher.launch(self._folder, (self._file, hears, says))
+            self.id = launcher.launch((self._file, hears, says))
             self._ours = ours.pop_all()  # until it is closed
         self._poll = select.poll()
         self._poll.register(self._hears, select.POLLIN)
@@ -101,14 +98,16 @@ class ParserProcess:
                 raise NeverStarted(self._how_it_ended())
 
     def close(self) -> None:
-        """End the process, and all that it may have started, and remove what it left."""
+        """End the process, and all that it may have started."""
         self._how_it_ended()
         self._ours.close()
 
     def _take_ready(self, seconds: float) -> None:
         said = self._hear(seconds)
         if said == READY_UNFILTERED:
-            logger.warning("this system cannot keep the readers of uploads from the network")
+            logger.warning(
+                "this system cannot keep the readers of uploads from files and the network"
+            )
         self._ready = said in (READY, READY_UNFILTERED)
         self._bytes_at_first = self._resident_bytes()
 

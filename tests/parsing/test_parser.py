@@ -242,6 +242,28 @@ def test_a_launcher_that_died_is_replaced_unnoticed() -> None:
         parser.close()
 
 
+def test_a_reader_is_told_nothing_that_it_need_not_know(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RAYSVC_TEST_SECRET", "hush")
+    monkeypatch.setenv("LC_TEST", "C")
+    parser = strict()
+    try:
+        parser.scene({"a.obj": OBJ})
+        told = Path(f"/proc/{ids(parser)[0]}/environ").read_bytes().split(b"\0")
+        names = {entry.partition(b"=")[0].decode() for entry in told if entry}
+        assert {"PATH", "LC_TEST", "OMP_NUM_THREADS", "PYTHONPATH"} <= names
+        assert "RAYSVC_TEST_SECRET" not in names
+    finally:
+        parser.close()
+
+
+def test_a_reader_that_may_make_no_files_reads_what_needs_one(parser: Parser) -> None:
+    for radiance in (0.5, 0.25):
+        dark = hdr(8, 4).replace(
+            bytes([128, 64, 32, 129]), bytes([int(radiance * 256)] * 3 + [128])
+        )
+        assert np.allclose(parser.environment({"sky.hdr": dark}).radiance, radiance, atol=0.01)
+
+
 def test_nothing_is_left_behind(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     before = len(os.listdir("/proc/self/fd"))
@@ -281,6 +303,35 @@ time.sleep(60)
     assert os.listdir(tmp_path) == []
 
 
+def test_what_outlives_a_killed_service_says_nothing(tmp_path: Path) -> None:
+    code = f"""
+import os, signal, threading
+from raysvc.parsing import Parser, ParserOptions
+parser = Parser(ParserOptions(processes=1, uploads=1))
+parser.scene({{"a.obj": {OBJ!r}}})
+launcher = parser._launcher
+os.kill(launcher.id, signal.SIGSTOP)
+launcher._socket.sendall(b'{{"reap": %d}}' % launcher.id)  # answered when nobody listens
+threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGKILL)).start()
+print(launcher.id, flush=True)
+signal.pause()
+"""
+    said = tmp_path / "said.txt"
+    with said.open("wb") as file:
+        service = subprocess.Popen(
+            [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=file
+        )
+        with service:
+            assert service.stdout is not None
+            left = int(service.stdout.readline())
+        os.kill(left, signal.SIGCONT)
+        end = time.monotonic() + 10
+        while is_running(left) and time.monotonic() < end:
+            time.sleep(0.05)
+    assert not is_running(left)
+    assert said.read_text() == ""
+
+
 def is_running(id: int) -> bool:
     """Is there such a process, and is it more than a remainder that nobody asks for?"""
     try:
@@ -290,13 +341,13 @@ def is_running(id: int) -> bool:
 
 
 def test_a_full_disk_passes(monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(**_: object) -> str:
+    def full() -> int:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     parser = strict()
     try:
         with monkeypatch.context() as patched:
-            patched.setattr(tempfile, "mkdtemp", full)
+            patched.setattr(process_module, "_anonymous_file", full)
             for _ in range(3):
                 with pytest.raises(OSError, match="No space"):
                     parser.scene({"a.obj": OBJ})
