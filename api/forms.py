@@ -4,10 +4,12 @@ from dataclasses import dataclass
 from typing import Final
 
 from fastapi import Request
+from python_multipart.multipart import parse_options_header
 from starlette.datastructures import UploadFile
 from starlette.formparsers import MultiPartException, MultiPartParser
 
-from api.problems import MalformedBody
+from api.json_bodies import check_text
+from api.problems import MalformedBody, UnsupportedMediaType
 from raysvc.errors import InvalidInput, LimitExceeded
 from raysvc.jobs import Upload
 
@@ -60,8 +62,9 @@ def is_multipart(request: Request) -> bool:
 async def read_form(request: Request, max_files: int, max_field_bytes: int) -> Form:
     """Read a multipart body; files larger than 1 MB go to temporary files.
 
-    Raises MalformedBody, LimitExceeded.
+    Raises MalformedBody, UnsupportedMediaType, LimitExceeded.
     """
+    _refuse_other_charsets(request)
     parser = MultiPartParser(
         request.headers,
         request.stream(),
@@ -76,12 +79,38 @@ async def read_form(request: Request, max_files: int, max_field_bytes: int) -> F
             raise LimitExceeded(error.message, field="body") from None
         raise MalformedBody(error.message, field="body") from None
     form = Form({}, {})
+    try:
+        take(form, items)
+    except InvalidInput:
+        for _, value in items:
+            if isinstance(value, UploadFile):
+                value.file.close()
+        raise
+    return form
+
+
+def take(form: Form, items: list[tuple[str, UploadFile | str]]) -> None:
+    """Put the parts of a form in their places. Raises MalformedBody, InvalidInput."""
     for name, value in items:
+        check_text(name, "body")
         if isinstance(value, UploadFile):
+            check_text(value.filename or "", name)
             form.files.setdefault(name, []).append(value)
         elif name in form.texts:
-            form.close()
             raise InvalidInput("is given twice", field=name)
         else:
+            check_text(value, name)
             form.texts[name] = value
-    return form
+
+
+def _refuse_other_charsets(request: Request) -> None:
+    """Raise UnsupportedMediaType unless names and texts are in UTF-8, as browsers send them.
+
+    The parser would decode them as whatever Python has a codec for, some of which make no text.
+    """
+    _, options = parse_options_header(request.headers.get("content-type"))
+    charset = options.get(b"charset", b"utf-8").decode("latin-1")
+    if charset.lower() not in ("utf-8", "utf8"):
+        raise UnsupportedMediaType(
+            f"send names and texts in UTF-8, not {charset[:40]!r}", field="Content-Type"
+        )

@@ -69,16 +69,17 @@ def _check(root: Mapping[str, Any], name: str) -> None:
             raise MalformedBody(f"is nested deeper than {MAX_DEPTH}", field=name)
         if isinstance(value, dict):
             for key, item in value.items():
-                _check_text(key, name)
+                check_text(key, name)
                 open_values.append((item, f"{path}.{key}" if path else key, depth + 1))
         elif isinstance(value, list):
             open_values += [(item, f"{path}.{i}", depth + 1) for i, item in enumerate(value)]
         elif isinstance(value, float) and not math.isfinite(value):
             raise MalformedBody("must be a finite number", field=path)
         elif isinstance(value, str):
-            _check_text(value, path)
+            check_text(value, path)
 
 
-def _check_text(text: str, field: str) -> None:
+def check_text(text: str, field: str) -> None:
+    """Raise MalformedBody for what is no text, and could not be written as UTF-8."""
     if any("\ud800" <= character <= "\udfff" for character in text):
         raise MalformedBody("has half of a surrogate pair", field=field)

@@ -3,11 +3,15 @@
 import os
 import time
 from concurrent.futures import ThreadPoolExecutor
+from io import BytesIO
 from pathlib import Path
 
 import pytest
 from fastapi.testclient import TestClient
+from starlette.datastructures import Headers, UploadFile
 
+from api.forms import Form, take
+from api.problems import MalformedBody
 from tests.api.conftest import MakeClient
 from tests.parsing.test_parser import slow_ply
 
@@ -59,3 +63,48 @@ def test_uploads_that_are_slow_to_read_keep_nobody_else_waiting(make_client: Mak
         assert not uploaded.done()
         assert time.monotonic() - began < 4
         assert uploaded.result().status_code == 413
+
+
+@pytest.mark.parametrize(
+    "charset",
+    ["undefined", "idna", "punycode", "utf-7", "unicode_escape", "raw_unicode_escape", "latin-1"],
+)
+@pytest.mark.parametrize("route", ["/v1/scenes", "/v1/environments", "/v1/render", "/v1/lens"])
+def test_forms_are_in_utf_8(client: TestClient, route: str, charset: str) -> None:
+    kind = f"multipart/form-data; boundary=x; charset={charset}"
+    part = (
+        b'--x\r\nContent-Disposition: form-data; name="file"; filename="%s"\r\n\r\nv\r\n--x--\r\n'
+    )
+    for name in (b"a.obj", b"\\ud800.obj", b"+2AA-.obj", b"\xff.obj"):
+        response = client.post(route, content=part % name, headers={"Content-Type": kind})
+        assert response.status_code == 415, response.text
+        assert response.json()["field"] == "Content-Type"
+        assert charset in response.json()["detail"]
+
+
+@pytest.mark.parametrize("charset", ["", "; charset=utf-8", '; charset="UTF-8"', "; charset=utf8"])
+def test_names_of_files_are_in_utf_8(client: TestClient, charset: str) -> None:
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    body = (
+        f'--x\r\nContent-Disposition: form-data; name="file"; filename="\u00e4.obj"\r\n\r\n{text}'
+    )
+    response = client.post(
+        "/v1/scenes",
+        content=f"{body}\r\n--x--\r\n".encode(),
+        headers={"Content-Type": f"multipart/form-data; boundary=x{charset}"},
+    )
+    assert response.status_code == 201, response.text
+    assert response.json()["name"] == "\u00e4"
+
+
+@pytest.mark.parametrize(
+    "item",
+    [
+        ("file\ud800", "text"),
+        ("camera", "\ud800"),
+        ("file", UploadFile(BytesIO(), filename="\udfff.obj", headers=Headers())),
+    ],
+)
+def test_a_form_holds_text_alone(item: tuple[str, UploadFile | str]) -> None:
+    with pytest.raises(MalformedBody, match="surrogate"):
+        take(Form({}, {}), [item])
