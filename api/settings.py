@@ -1,11 +1,18 @@
 """What whoever runs the service may choose, through environment variables RAYSVC_..."""
 
+import os
 import re
 from pathlib import Path
 from typing import Annotated
 
 from pydantic import Field, ValidationError, field_validator
-from pydantic_settings import NoDecode, SettingsConfigDict
+from pydantic_settings import (
+    BaseSettings,
+    EnvSettingsSource,
+    NoDecode,
+    PydanticBaseSettingsSource,
+    SettingsConfigDict,
+)
 
 from api.limit_settings import LimitSettings
 from api.logs import LogFormat, LogLevel
@@ -81,6 +88,26 @@ class ApiSettings(LimitSettings):
     )
     log_format: LogFormat = Field("text", description="`text` for people, `json` for machines.")
     log_level: LogLevel = Field("info", description="`debug`, `info`, `warning` or `error`.")
+
+    @classmethod
+    def settings_customise_sources(
+        cls,
+        settings_cls: type[BaseSettings],
+        init_settings: PydanticBaseSettingsSource,
+        env_settings: PydanticBaseSettingsSource,
+        dotenv_settings: PydanticBaseSettingsSource,
+        file_secret_settings: PydanticBaseSettingsSource,
+    ) -> tuple[PydanticBaseSettingsSource, ...]:
+        """Only variables as they are documented, and that are not empty.
+
+        Otherwise `raysvc_data_dir` would count here and nowhere else, and an empty RAYSVC_DATA_DIR
+        would be the folder that the service was started in.
+        """
+        assert isinstance(env_settings, EnvSettingsSource)
+        env_settings.env_vars = {
+            name.lower(): value for name, value in os.environ.items() if name.isupper() and value
+        }
+        return init_settings, env_settings
 
     @field_validator("cors_origins", mode="before")
     @classmethod

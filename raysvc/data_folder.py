@@ -14,5 +14,8 @@ def default_data_dir() -> Path:
 
 
 def chosen_data_dir(given: Path | None = None) -> Path:
-    """The folder that was given, else that of RAYSVC_DATA_DIR, else the default."""
-    return given or Path(os.environ.get(VARIABLE) or default_data_dir())
+    """The folder that was given, else RAYSVC_DATA_DIR unless that is empty, else the default.
+
+    Absolute, so that it stays the same when it is said again.
+    """
+    return (given or Path(os.environ.get(VARIABLE) or default_data_dir())).absolute()

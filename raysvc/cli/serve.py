@@ -26,7 +26,11 @@ def serve(
     ] = 8000,
     data_dir: Annotated[
         Path | None,
-        typer.Option("--data-dir", help="Where scenes and environments are kept."),
+        typer.Option(
+            "--data-dir",
+            help="Where scenes, environments, jobs, results and keys are kept; by default "
+            "RAYSVC_DATA_DIR, else the user's data folder.",
+        ),
     ] = None,
     open_: Annotated[
         bool,
@@ -34,8 +38,9 @@ def serve(
     ] = False,
 ) -> None:
     """Run the HTTP service until it is told to stop."""
-    if data_dir is not None:
-        os.environ[VARIABLE] = str(data_dir)
+    # Said once, for whom it concerns: the check below, and the application.
+    folder = chosen_data_dir(data_dir)
+    os.environ[VARIABLE] = str(folder)
     config = uvicorn.Config(
         APPLICATION,
         factory=True,
@@ -47,7 +52,7 @@ def serve(
         access_log=False,
     )
     listening = _listen(host, port)
-    if not open_ and not is_private(listening) and not _has_keys():
+    if not open_ and not is_private(listening) and not _has_keys(folder):
         listening.close()
         raise InvalidSetting(
             f"{host} can be reached from elsewhere, and the service has no key; make one with "
@@ -66,8 +71,8 @@ def is_private(listening: socket.socket) -> bool:
     return ipaddress.ip_address(listening.getsockname()[0].partition("%")[0]).is_loopback
 
 
-def _has_keys() -> bool:
-    keys = KeyStore(chosen_data_dir())
+def _has_keys(folder: Path) -> bool:
+    keys = KeyStore(folder)
     try:
         return keys.guarded
     finally:

@@ -36,10 +36,10 @@ _SOURCES: Final = Path(__file__).parents[2]
 def python_folders() -> list[Path]:
     """Where what this Python has imported, and may yet import, comes from."""
     # In a source tree all kinds of things lie beside the package, such as data.
-    installed = [Path(entry) for entry in sys.path if entry and Path(entry) != _SOURCES]
+    installed = [entry for entry in sys.path if entry and Path(entry) != _SOURCES]
     libraries = os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)
     folders = [sys.prefix, sys.base_prefix, sys.exec_prefix, *installed, *filter(None, libraries)]
-    return [_SOURCES / "raysvc", *map(Path, folders), *map(Path, _SYSTEM)]
+    return [_SOURCES / "raysvc", *(Path(folder) for folder in (*folders, *_SYSTEM))]
 
 
 def read_only(folders: Iterable[Path]) -> bool:

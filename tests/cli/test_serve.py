@@ -11,6 +11,7 @@ import httpx
 import pytest
 import uvicorn
 
+from api.settings import settings_from_environment
 from raysvc.access import KeyStore, Scope
 from raysvc.cli.app import run
 from raysvc.cli.serve import is_private
@@ -78,6 +79,42 @@ def test_a_public_address_is_allowed_by_a_key_or_by_name(
     assert run(words) == 0
     (listening,) = served
     listening.close()  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    "told", [{"RAYSVC_DATA_DIR": ""}, {"raysvc_data_dir": "elsewhere"}, {"RAYSVC_DATA_DIR": "here"}]
+)
+def test_the_check_for_keys_and_the_service_look_at_the_same_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, told: dict[str, str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
+    # Set and taken away, so that what `serve` writes is forgotten after the test.
+    monkeypatch.setenv("RAYSVC_DATA_DIR", "")
+    monkeypatch.delenv("RAYSVC_DATA_DIR")
+    for name, value in told.items():
+        monkeypatch.setenv(name, value)
+    seen: list[Path] = []
+
+    def run_service(_: object, sockets: list[socket.socket]) -> None:
+        seen.append(settings_from_environment().data_dir)
+        for listening in sockets:
+            listening.close()
+
+    def look(self: KeyStore, data_dir: Path) -> None:
+        seen.append(data_dir)
+        made(self, data_dir)
+
+    made = KeyStore.__init__
+    monkeypatch.setattr(KeyStore, "__init__", look)
+    monkeypatch.setattr(uvicorn.Server, "run", run_service)
+    expected = tmp_path / (told.get("RAYSVC_DATA_DIR") or "home/raysvc")
+    store = KeyStore(expected)
+    store.add("some", Scope.READ)
+    store.close()
+    seen.clear()
+    assert run(["serve", "--host", "0.0.0.0", "--port", "0"]) == 0
+    assert seen == [expected, expected]
 
 
 @pytest.mark.slow

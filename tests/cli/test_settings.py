@@ -55,3 +55,11 @@ def test_a_wrong_value_is_named(
     monkeypatch.setenv("RAYSVC_MAX_TRIANGLES", "few")
     assert run(["settings"]) == 2
     assert capsys.readouterr().err.startswith("error: RAYSVC_MAX_TRIANGLES: ")
+
+
+@pytest.mark.parametrize(("name", "value"), [("RAYSVC_MAX_NODES", ""), ("raysvc_max_nodes", "7")])
+def test_an_empty_variable_and_one_of_another_case_say_nothing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, name: str, value: str
+) -> None:
+    monkeypatch.setenv(name, value)
+    assert found(capsys)["RAYSVC_MAX_NODES"]["source"] == "default"
