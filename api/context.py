@@ -11,9 +11,10 @@ from fastapi import Depends, Request
 from api.metrics import Metrics
 from api.settings import ApiSettings
 from raysvc.errors import QueueFull
-from raysvc.jobs import RenderService
+from raysvc.jobs import ComparisonRequest, Job, RenderRequest, RenderService
 
 Result = TypeVar("Result")
+Asked = TypeVar("Asked", RenderRequest, ComparisonRequest)
 
 LONG_RETRY_S: Final = 5.0
 """When to come back where all threads for long work are taken."""
@@ -36,6 +37,18 @@ class Context:
     async def reading(self, work: Callable[[], Result]) -> Result:
         """Run what reads an upload on one of the few threads for that."""
         return await anyio.to_thread.run_sync(work, limiter=self.readers)
+
+    async def looked_up(self, id: str, kind: type[Asked]) -> tuple[Job[Asked], int | None]:
+        """A job, and how many run before it. Raises NotFound.
+
+        On a thread: the ledger is on the disk, and others may be writing to it.
+        """
+
+        def look() -> tuple[Job[Asked], int | None]:
+            job = self.service.job(id, kind)
+            return job, self.service.position(job)
+
+        return await anyio.to_thread.run_sync(look)
 
     async def heavy(self, work: Callable[[], Result]) -> Result:
         """Run on one of the few threads, so that the event loop and its other threads stay free."""

@@ -70,8 +70,8 @@ async def add_comparison(request: Request, context: ContextDep) -> Response:
 @router.get("/{id}", responses={200: {"model": ComparisonResource}})
 async def get_comparison(id: str, context: ContextDep) -> Response:
     """How far a comparison is, and what was measured."""
-    job = context.service.job(id, ComparisonRequest)
-    resource = comparison_resource(job, context.service.position(job))
+    job, position = await context.looked_up(id, ComparisonRequest)
+    resource = comparison_resource(job, position)
     return SafeJSONResponse(resource.model_dump(mode="json"), headers={"Cache-Control": "no-store"})
 
 
@@ -128,14 +128,14 @@ async def get_heat_map(
 )
 async def watch_comparison(id: str, request: Request, context: ContextDep) -> Response:
     """How far a comparison is, told as it changes: Server-Sent Events."""
-    job = await anyio.to_thread.run_sync(context.service.job, id, ComparisonRequest)
+    job, _ = await context.looked_up(id, ComparisonRequest)
     return events_response(job, result_links(job.request), request, context)
 
 
 @router.delete("/{id}", status_code=202, responses={202: {"model": ComparisonResource}})
 async def cancel_comparison(id: str, context: ContextDep) -> Response:
     """Cancel a comparison that waits or runs; one that has ended stays as it is."""
-    job = context.service.job(id, ComparisonRequest)
+    job, _ = await context.looked_up(id, ComparisonRequest)
     await anyio.to_thread.run_sync(job.cancel)
     resource = comparison_resource(job, context.service.position(job))
     return SafeJSONResponse(resource.model_dump(mode="json"), 202)
@@ -149,7 +149,7 @@ async def _file(
     make: Callable[[Comparison], bytes],
 ) -> Response:
     """Answer with a file made of a finished comparison, or with 304 where the client holds it."""
-    job = context.service.job(id, ComparisonRequest)
+    job, _ = await context.looked_up(id, ComparisonRequest)
     etag = f'"{job.request.name[:32]}-{name}"'
     headers = {"ETag": etag, "Cache-Control": "private, max-age=86400"}
     if job.statistics is not None and matches(request.headers.get("if-none-match"), etag):

@@ -56,8 +56,8 @@ async def add_render(request: Request, context: ContextDep) -> Response:
 @router.get("/{id}", responses={200: {"model": RenderResource}})
 async def get_render(id: str, context: ContextDep) -> Response:
     """How far a render is, and what it took."""
-    job = context.service.job(id, RenderRequest)
-    resource = render_resource(job, context.service.position(job))
+    job, position = await context.looked_up(id, RenderRequest)
+    resource = render_resource(job, position)
     headers = {"Cache-Control": "no-store", **server_timing(job)}
     return SafeJSONResponse(resource.model_dump(mode="json"), headers=headers)
 
@@ -67,7 +67,8 @@ async def get_image(
     id: str, query: Annotated[ImageQuery, Query()], request: Request, context: ContextDep
 ) -> Response:
     """A finished render's picture, or one of its layers."""
-    return await image_response(context.service.job(id, RenderRequest), query, request, context)
+    job, _ = await context.looked_up(id, RenderRequest)
+    return await image_response(job, query, request, context)
 
 
 @router.get(
@@ -78,14 +79,14 @@ async def get_image(
 )
 async def watch_render(id: str, request: Request, context: ContextDep) -> Response:
     """How far a render is, told as it changes: Server-Sent Events."""
-    job = await anyio.to_thread.run_sync(context.service.job, id, RenderRequest)
+    job, _ = await context.looked_up(id, RenderRequest)
     return events_response(job, {"image": "image"}, request, context)
 
 
 @router.delete("/{id}", status_code=202, responses={202: {"model": RenderResource}})
 async def cancel_render(id: str, context: ContextDep) -> Response:
     """Cancel a render that waits or runs; one that has ended stays as it is."""
-    job = context.service.job(id, RenderRequest)
+    job, _ = await context.looked_up(id, RenderRequest)
     await anyio.to_thread.run_sync(job.cancel)
     resource = render_resource(job, context.service.position(job))
     return SafeJSONResponse(resource.model_dump(mode="json"), 202)

@@ -1,15 +1,18 @@
 """The keys of a service, in a SQLite file of their own.
 
 `raysvc keys` writes it and the running service reads it: a key that is added or revoked counts from
-the next request on. Revoked keys stay in the file, so that a service whose last key was revoked
-lets nobody in, rather than everybody.
+the next request on. The service looks at the file's change counter each time (SQLite's database
+header, offset 24), for which it need not wait for who writes, and reads the keys when it changed.
+
+Revoked keys stay in the file, so that a service whose last key was revoked lets nobody in, rather
+than everybody.
 """
 
 import os
 import sqlite3
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
@@ -22,6 +25,10 @@ FILE: Final = "keys.sqlite"
 LONGEST_NAME: Final = 100
 PATIENCE_S: Final = 5.0
 """How long to wait for another process that is writing."""
+
+HEADER_BYTES, COUNTER_AT = 28, 24
+Stamp = tuple[int, int, int, bytes] | None
+"""Which file there is, how long it is, and its change counter; None without one."""
 
 _TABLE: Final = """
 CREATE TABLE IF NOT EXISTS keys (
@@ -43,12 +50,22 @@ class KeyStore:
         self._lock = threading.Lock()
         self._connection: sqlite3.Connection | None = None
         self._guarded = False
+        self._remembered: tuple[Stamp, Mapping[str, ApiKey]] | None = None
+
+    @property
+    def is_fresh(self) -> bool:
+        """Whether what is remembered of the file is what it holds; never waits for a writer."""
+        return self._remembered is not None and self._remembered[0] == self._stamp()
+
+    def refresh(self) -> None:
+        """Read the file, if it has changed; may wait. Raises RaysvcError where SQLite fails."""
+        self._known()
 
     @property
     def guarded(self) -> bool:
         """Whether requests need a key: once there was one, until this object is gone."""
         if not self._guarded:
-            self._guarded = bool(self._rows("SELECT 1 FROM keys LIMIT 1"))
+            self._guarded = bool(self._known())
         return self._guarded
 
     def add(self, name: str, scope: Scope) -> str:
@@ -83,9 +100,7 @@ class KeyStore:
 
     def check(self, key: str) -> ApiKey | None:
         """The entry of a key that is good, or None."""
-        id = id_in(key)
-        rows = [] if id is None else self._rows(f"SELECT {_COLUMNS} FROM keys WHERE id = ?", id)
-        entry = _key(rows[0]) if rows else None
+        entry = self._known().get(id_in(key) or "")
         same = is_key_of(key, entry.digest if entry else _NO_DIGEST)
         return entry if same and entry is not None and entry.revoked_s is None else None
 
@@ -95,6 +110,25 @@ class KeyStore:
             if self._connection is not None:
                 self._connection.close()
                 self._connection = None
+
+    def _known(self) -> Mapping[str, ApiKey]:
+        """All keys by their ids."""
+        # Looked at before the file is read: what is written meanwhile is read the next time.
+        stamp, remembered = self._stamp(), self._remembered
+        if remembered is not None and remembered[0] == stamp:
+            return remembered[1]
+        self.close()  # it may be another file by now
+        keys = {key.id: key for key in self.keys()}
+        self._remembered = stamp, keys
+        return keys
+
+    def _stamp(self) -> Stamp:
+        try:
+            with self._path.open("rb") as file:
+                status, counter = os.fstat(file.fileno()), file.read(HEADER_BYTES)[COUNTER_AT:]
+        except FileNotFoundError:
+            return None
+        return status.st_dev, status.st_ino, status.st_size, counter
 
     def _rows(self, query: str, *values: str) -> list[tuple[Any, ...]]:
         if not self._path.exists():

@@ -138,3 +138,34 @@ def test_many_threads_may_ask_and_add(store: KeyStore) -> None:
         thread.join()
     assert not wrong
     assert len(store.keys()) == 81
+
+
+def test_the_file_is_read_when_it_has_changed_and_then_alone(
+    store: KeyStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    key = store.add("first", Scope.READ)
+    read: list[int] = []
+    known = store.keys
+    monkeypatch.setattr(store, "keys", lambda: [read.append(1), *known()][1:])
+    for _ in range(3):
+        assert store.check(key) is not None
+    assert len(read) == 1
+    # As fast as it goes: a time of change would not tell these apart.
+    for number in range(2, 12):
+        other = KeyStore(tmp_path)
+        added = other.add(f"number {number}", Scope.READ)
+        other.close()
+        assert not store.is_fresh
+        assert store.check(added) is not None
+        assert store.is_fresh
+        assert len(read) == number
+
+
+def test_another_file_in_its_place_counts(store: KeyStore, tmp_path: Path) -> None:
+    old = store.add("old", Scope.READ)
+    assert store.check(old) is not None
+    (tmp_path / FILE).unlink()
+    other = KeyStore(tmp_path)
+    new = other.add("new", Scope.READ)
+    assert store.check(old) is None
+    assert store.check(new) is not None
