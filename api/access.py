@@ -1,18 +1,19 @@
 """Who may use which route: one literal table, and the check that reads it.
 
 Where the service has keys, a route that is not public wants one in `Authorization: Bearer KEY`
-(RFC 6750) whose scope reaches as far. Where it has none, everybody may do everything - but not
-the pages of strangers that somebody's browser shows: it would let them post forms to a service on
-its own machine, and only keep the answer from them.
+(RFC 6750) whose scope reaches as far. Where it has none, everybody may do everything, but for the
+pages of strangers (`api.origins`).
 """
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
+import anyio.to_thread
 from fastapi import Request
 
+from api.origins import OriginCheck
 from raysvc.access import KeyStore, Scope
 from raysvc.errors import NotAllowed, NotAuthenticated
 
@@ -52,7 +53,9 @@ SCOPES: Final[Mapping[tuple[str, str], Scope | None]] = MappingProxyType(
         ("GET", "/docs"): None,
     }
 )
-"""The scope that a route needs, or None where it is public. What is not here needs `admin`."""
+"""The scope that a route needs, or None where it is public. A route that is not here needs `admin`;
+what is no route of ours is public: `/openapi.json`, and the scripts of the documentation
+(`/docs/assets`), which say nothing of what the service holds."""
 
 SCHEME: Final = "key"
 """What the OpenAPI document calls the scheme."""
@@ -68,15 +71,20 @@ _BEARER: Final = re.compile(r"Bearer +(\S+)", re.IGNORECASE)
 class Guard:
     """Refuses requests that the keys of a service do not allow; a dependency of every route."""
 
-    def __init__(self, keys: KeyStore, origins: Collection[str] = ()) -> None:
+    def __init__(self, keys: KeyStore, check_origin: OriginCheck) -> None:
         self._keys = keys
-        self._origins = frozenset(origins)
+        self._check_origin = check_origin
 
     async def __call__(self, request: Request) -> None:
-        """Raise NotAuthenticated or NotAllowed."""
-        self._check_page(request)
+        """Raise ForeignPage, NotAuthenticated or NotAllowed."""
+        self._check_origin(request)
         needed = SCOPES.get((request.method, request.scope["route"].path), Scope.ADMIN)
-        if needed is None or not self._keys.guarded:
+        if needed is None:
+            return
+        if not self._keys.is_fresh:
+            # Whoever changes the keys may hold the file for a while; others are not to wait too.
+            await anyio.to_thread.run_sync(self._keys.refresh)
+        if not self._keys.guarded:
             return
         given = request.headers.get("authorization")
         if given is None:
@@ -92,18 +100,6 @@ class Guard:
                 scope=needed,
             )
         request.state.key_id = key.id
-
-    def _check_page(self, request: Request) -> None:
-        """Raise NotAllowed for what a page of a strange origin makes a browser send.
-
-        Browsers say by Sec-Fetch-Site where a request comes from (W3C, Fetch Metadata), and other
-        clients send no such thing. Pages may link to what is only looked at.
-        """
-        strange = request.headers.get("sec-fetch-site") in ("cross-site", "same-site")
-        if not strange or request.method in ("GET", "HEAD"):
-            return
-        if not self._origins & {"*", request.headers.get("origin")}:
-            raise NotAllowed("pages of this origin may not call the service", field="Origin")
 
 
 def challenge(error: NotAuthenticated | NotAllowed, key_given: bool) -> str:

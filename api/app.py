@@ -16,6 +16,7 @@ from api.context import Context
 from api.draining import drained_by_signals
 from api.logs import JobLog
 from api.metrics import Metrics
+from api.origins import OriginCheck
 from api.request_ids import HEADER, RequestIds
 from api.request_log import RequestLog
 from api.routes import (
@@ -62,6 +63,7 @@ def create_app(
     """
     settings = settings or settings_from_environment()
     measured, keys = Metrics(), KeyStore(settings.data_dir)
+    check_origin = OriginCheck(settings.cors_origins, settings.hosts)
     observer = Observers(measured, JobLog())
     service = RenderService(settings.service_options(), make_renderer, observer)
     measured.read_from(service)
@@ -82,7 +84,7 @@ def create_app(
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
-        dependencies=[Depends(access.Guard(keys, settings.cors_origins))],
+        dependencies=[Depends(access.Guard(keys, check_origin))],
     )
     app.state.context = Context(
         settings,

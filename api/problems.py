@@ -96,6 +96,9 @@ PROBLEMS: Final[Mapping[type[errors.RaysvcError], Problem]] = MappingProxyType(
         errors.NotAllowed: Problem(
             HTTPStatus.FORBIDDEN, "not-allowed", "The key does not reach that far"
         ),
+        errors.ForeignPage: Problem(
+            HTTPStatus.FORBIDDEN, "foreign-page", "Pages of this origin may not call the service"
+        ),
         errors.QueueFull: Problem(HTTPStatus.TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
         errors.Busy: Problem(
             HTTPStatus.SERVICE_UNAVAILABLE, "busy", "Its turn did not come in time"

@@ -86,6 +86,11 @@ class ApiSettings(LimitSettings):
     cors_origins: Annotated[tuple[str, ...], NoDecode] = Field(
         (), description="Origins whose pages may call, commas between; `*` is all of them."
     )
+    hosts: Annotated[tuple[str, ...], NoDecode] = Field(
+        (),
+        description="Names and addresses that the service is called by, commas between; by default "
+        "those of this machine if nobody else reaches it, else any.",
+    )
     log_format: LogFormat = Field("text", description="`text` for people, `json` for machines.")
     log_level: LogLevel = Field("info", description="`debug`, `info`, `warning` or `error`.")
 
@@ -109,13 +114,13 @@ class ApiSettings(LimitSettings):
         }
         return init_settings, env_settings
 
-    @field_validator("cors_origins", mode="before")
+    @field_validator("cors_origins", "hosts", mode="before")
     @classmethod
     def _split(cls, value: object) -> object:
         """Take `A,B` apart."""
         if not isinstance(value, str):
             return value
-        return tuple(origin.strip() for origin in value.split(",") if origin.strip())
+        return tuple(part.strip() for part in value.split(",") if part.strip())
 
     @field_validator("cors_origins")
     @classmethod

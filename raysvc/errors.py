@@ -14,6 +14,7 @@ RaysvcError
   + Unavailable             a part of raysvc that this machine cannot run
   + NotAuthenticated        a key is needed, and none or no good one was sent
   + NotAllowed              the key is good, but not for this
+  + ForeignPage             a page of another origin made a browser send it
   + Unreachable             no service answers there
   + QueueFull               try again later
   + Busy                    accepted, and its turn did not come in time
@@ -100,6 +101,10 @@ class NotAllowed(RaysvcError):
         super().__init__(message, field)
         self.scope = scope
         """What the key would have to be for."""
+
+
+class ForeignPage(RaysvcError):
+    """A page of an origin that may not call the service made a browser send this."""
 
 
 class Unreachable(RaysvcError):

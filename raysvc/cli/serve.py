@@ -15,6 +15,9 @@ from raysvc.errors import InvalidSetting
 
 APPLICATION = "api.serving:served_app"
 """By name: the core never imports `api`."""
+HOSTS = "RAYSVC_HOSTS"
+LOOPBACK_NAMES = ("localhost", "127.0.0.1", "[::1]")
+"""What this machine calls itself. Another name that leads here was made to (DNS rebinding)."""
 ANSWERS_WITHIN_S = 20
 """Time that open requests have to be answered once the service is told to stop."""
 
@@ -60,6 +63,8 @@ def serve(
             field="--host",
         )
     address = f"[{host}]" if ":" in host else host
+    if is_private(listening) and not os.environ.get(HOSTS):
+        os.environ[HOSTS] = ",".join((*LOOPBACK_NAMES, address))
     typer.echo(f"raysvc is at http://{address}:{listening.getsockname()[1]}")
     uvicorn.Server(config).run(sockets=[listening])
 

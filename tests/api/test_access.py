@@ -1,4 +1,9 @@
+import asyncio
+import sqlite3
+import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -10,6 +15,8 @@ import api.routes
 from api.access import SCOPES
 from raysvc.access import KeyStore, Scope
 from raysvc.access.key import id_in
+from raysvc.access.key_store import FILE
+from raysvc.errors import NotFound
 
 UNKNOWN = f"raysvc_{'0' * 12}_{'0' * 64}"
 
@@ -102,3 +109,80 @@ def test_the_schema_says_which_operations_want_a_key(client: TestClient) -> None
     assert paths["/healthz"]["get"]["security"] == []
     assert paths["/v1/scenes/{id}"]["delete"]["security"] == [{"key": []}, {}]
     assert paths["/v1/scenes/{id}"]["delete"]["x-scope"] == "admin"
+
+
+@pytest.mark.parametrize("path", ["/openapi.json", "/docs/assets/swagger-ui.css"])
+def test_what_documents_the_service_is_public(
+    client: TestClient, keys: KeyStore, path: str
+) -> None:
+    keys.add("some", Scope.ADMIN)
+    assert client.get("/v1/scenes").status_code == 401
+    assert client.get(path).status_code == 200
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Be a process that writes to an SQLite file, and takes its time."""
+    connection = sqlite3.connect(path, isolation_level=None)
+    connection.execute("BEGIN EXCLUSIVE")
+    yield
+    connection.execute("ROLLBACK")
+    connection.close()
+
+
+def test_who_writes_the_keys_keeps_nobody_waiting(
+    client: TestClient, keys: KeyStore, tmp_path: Path
+) -> None:
+    key = keys.add("some", Scope.READ)
+    assert client.get("/v1/scenes", headers=bearer(key)).status_code == 200
+    with writing(tmp_path / FILE):
+        began = time.monotonic()
+        assert client.get("/v1/scenes", headers=bearer(key)).status_code == 200
+        assert client.get("/v1/scenes").status_code == 401
+        assert time.monotonic() - began < 1
+
+
+def test_keys_that_have_to_be_read_hold_up_only_who_needs_them(
+    client: TestClient, keys: KeyStore, tmp_path: Path
+) -> None:
+    key = keys.add("some", Scope.READ)
+    with ThreadPoolExecutor(1) as pool, writing(tmp_path / FILE):
+        asked = pool.submit(client.get, "/v1/scenes", headers=bearer(key))
+        time.sleep(0.3)
+        began = time.monotonic()
+        assert client.get("/healthz").status_code == 200
+        assert time.monotonic() - began < 1
+        assert not asked.done()
+    assert asked.result().status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("method", "path"),
+    [
+        ("GET", "/v1/renders/{}"),
+        ("GET", "/v1/renders/{}/image"),
+        ("GET", "/v1/renders/{}/events"),
+        ("DELETE", "/v1/renders/{}"),
+        ("GET", "/v1/comparisons/{}"),
+        ("GET", "/v1/comparisons/{}/table.csv"),
+        ("GET", "/v1/comparisons/{}/events"),
+        ("DELETE", "/v1/comparisons/{}"),
+    ],
+)
+def test_jobs_are_looked_up_beside_the_event_loop(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch, method: str, path: str
+) -> None:
+    context = client.app.state.context  # type: ignore[attr-defined]
+    looked: list[bool] = []
+
+    def look(*_: object) -> None:
+        try:
+            asyncio.get_running_loop()
+            looked.append(True)
+        except RuntimeError:
+            looked.append(False)
+        raise NotFound("no such job")
+
+    monkeypatch.setattr(context.service, "job", look)
+    assert client.request(method, path.format("x")).status_code == 404
+    assert looked == [False]

@@ -99,7 +99,7 @@ def test_pages_of_a_named_origin_may_call(make_client: MakeClient) -> None:
         ("same-site", False),
         ("same-origin", True),
         ("none", True),
-        ("", True),
+        ("", False),
     ],
 )
 def test_pages_of_strangers_may_not_post_forms(
@@ -112,7 +112,65 @@ def test_pages_of_strangers_may_not_post_forms(
     assert answer.status_code == (200 if allowed else 403)
     if not allowed:
         assert answer.json()["field"] == "Origin"
+        assert answer.json()["type"] == "urn:raysvc:problem:foreign-page"
+        assert "WWW-Authenticate" not in answer.headers
     assert client.get("/v1/structures", headers=headers).status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("origin", "host", "allowed"),
+    [
+        (None, "here:8000", True),
+        ("http://here:8000", "here:8000", True),
+        ("http://HERE:8000", "here:8000", True),
+        ("http://here", "here:80", True),
+        ("https://here", "here", True),
+        ("https://here", "here:443", True),
+        ("http://[::1]:8000", "[::1]:8000", True),
+        ("http://evil.example", "here:8000", False),
+        ("http://here:8001", "here:8000", False),
+        ("http://here:8000.evil.example", "here:8000", False),
+        ("http://here", "here:8000", False),
+        ("null", "here:8000", False),
+        ("", "here:8000", False),
+    ],
+)
+def test_without_fetch_metadata_the_origin_is_held_against_the_host(
+    client: TestClient, origin: str | None, host: str, allowed: bool
+) -> None:
+    headers = {"Host": host} if origin is None else {"Host": host, "Origin": origin}
+    answer = client.post("/v1/scenes", json={"builtin": "cornell"}, headers=headers)
+    assert answer.status_code == (201 if allowed else 403)
+    assert client.get("/v1/scenes", headers=headers).status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("host", "allowed"),
+    [
+        ("localhost", True),
+        ("localhost:8000", True),
+        ("LOCALHOST.:1", True),
+        ("127.0.0.1:8000", True),
+        ("[::1]:8000", True),
+        ("evil.example:8000", False),
+        ("localhost.evil.example", False),
+        ("127.0.0.1.evil.example", False),
+        ("[::2]:8000", False),
+        ("[", False),
+        ("", False),
+    ],
+)
+def test_a_service_answers_to_its_names_alone(
+    make_client: MakeClient, host: str, allowed: bool
+) -> None:
+    client = make_client(hosts="localhost, 127.0.0.1, [::1]")
+    # As a page would whose name leads here: of its own origin, as far as the browser can see.
+    headers = {"Host": host, "Sec-Fetch-Site": "same-origin", "Origin": f"http://{host}"}
+    for answer in (client.get("/v1/scenes", headers=headers), client.get("/", headers=headers)):
+        assert answer.status_code == (200 if allowed else 403)
+        if not allowed:
+            assert answer.json()["type"] == "urn:raysvc:problem:foreign-page"
+            assert answer.json()["field"] == "Host"
 
 
 @pytest.mark.parametrize("origins", [ELSEWHERE, "*"])

@@ -117,6 +117,33 @@ def test_the_check_for_keys_and_the_service_look_at_the_same_folder(
     assert seen == [expected, expected]
 
 
+@pytest.mark.parametrize(
+    ("host", "given", "names"),
+    [
+        ("127.0.0.1", None, "localhost,127.0.0.1,[::1],127.0.0.1"),
+        ("127.8.9.10", None, "localhost,127.0.0.1,[::1],127.8.9.10"),
+        ("127.0.0.1", "renders.example.org", "renders.example.org"),
+        ("0.0.0.0", None, None),
+    ],
+)
+def test_on_an_address_of_its_machine_it_answers_to_names_of_its_machine(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    host: str,
+    given: str | None,
+    names: str | None,
+) -> None:
+    monkeypatch.setenv("RAYSVC_HOSTS", given or "")
+    if given is None:
+        monkeypatch.delenv("RAYSVC_HOSTS")
+    monkeypatch.setattr(
+        uvicorn.Server, "run", lambda self, sockets: [one.close() for one in sockets]
+    )
+    words = ["serve", "--host", host, "--port", "0", "--data-dir", str(tmp_path), "--open"]
+    assert run(words) == 0
+    assert os.environ.get("RAYSVC_HOSTS") == names
+
+
 @pytest.mark.slow
 def test_the_service_logs_as_it_is_told_to(tmp_path: Path) -> None:
     with service(tmp_path, RAYSVC_LOG_FORMAT="json", RAYSVC_LOG_LEVEL="info") as process:
