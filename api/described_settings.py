@@ -1,4 +1,4 @@
-"""Settings as `raysvc settings` shows them, and as docs/limits.md lists them."""
+"""Settings as `raysvc settings` shows them, and as docs/limits.md and docs/http.md list them."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
