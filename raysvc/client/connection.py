@@ -16,7 +16,7 @@ from typing import Any, Final, Self
 
 import httpx
 
-from raysvc.client.problems import TYPE_PREFIX, error_of, retry_after_s
+from raysvc.client.problems import error_of, retry_after_s
 from raysvc.errors import InvalidSetting, Unreachable
 from raysvc.version import VERSION
 
@@ -119,7 +119,8 @@ class Connection:
                 if not response.is_error or response.status_code in accepted:
                     return response
                 failure = error_of(response)
-                again = response.status_code == 429 or (may_repeat and _passes(response))
+                passing = response.status_code in PASSING
+                again = response.status_code == 429 or (may_repeat and passing)
                 wait_s = max(wait_s, retry_after_s(response.headers) or 0.0)
             if not again or time.monotonic() + wait_s > end:
                 raise failure from None
@@ -140,9 +141,3 @@ class Connection:
                 yield response.iter_lines()
         except httpx.TransportError as error:
             raise Unreachable(f"{self._http.base_url}: {error or type(error).__name__}") from None
-
-
-def _passes(response: httpx.Response) -> bool:
-    """Whether what was refused may succeed soon: a job that took too long takes as long again."""
-    late = f'"{TYPE_PREFIX}deadline-exceeded"' in response.text
-    return response.status_code in PASSING and not late

@@ -18,7 +18,7 @@ from raysvc.errors import (
 
 Answer = httpx.Response | Exception
 BUSY = {"type": "urn:raysvc:problem:queue-full", "title": "The queue is full", "status": 429}
-LATE = {"type": "urn:raysvc:problem:deadline-exceeded", "title": "It took too long", "status": 503}
+LATE = {"type": "urn:raysvc:problem:deadline-exceeded", "title": "It took too long", "status": 422}
 AWAY = {"type": "urn:raysvc:problem:draining", "title": "The service ends", "status": 503}
 OK = httpx.Response(200, json={})
 
@@ -61,6 +61,7 @@ def refused(status: int, body: Any = None, **headers: str) -> httpx.Response:
         httpx.RemoteProtocolError("cut"),
         refused(502),
         refused(503, AWAY),
+        refused(503, {**AWAY, "detail": f'said "{LATE["type"]}"', "type": LATE["type"]}),
         refused(504),
         refused(429, BUSY),
     ],
@@ -105,7 +106,7 @@ def test_a_post_is_repeated_only_if_nothing_was_done(fault: Answer, repeated: bo
             refused(401, {"type": "urn:raysvc:problem:not-authenticated", "title": ""}),
             NotAuthenticated,
         ),
-        (refused(503, LATE), DeadlineExceeded),
+        (refused(422, LATE), DeadlineExceeded),
         (refused(500, {"type": "urn:raysvc:problem:internal", "title": "?"}), RaysvcError),
         (refused(404), Unreachable),
     ],
