@@ -28,7 +28,8 @@ class ApiSettings(LimitSettings):
 
     data_dir: Path = Field(
         default_factory=default_data_dir,
-        description="Where scenes, environments, jobs, results and keys are kept; one process owns it.",
+        description="Where scenes, environments, jobs, results and keys are kept; one process owns "
+        "it.",
     )
     queue_size: int = Field(
         16, ge=1, le=100_000, description="Jobs that may wait; one more is answered 429."

@@ -40,19 +40,17 @@ def test_every_field_of_a_filtering_is_documented(name: str) -> None:
     assert f"| `{name}` |" in section
 
 
-USERS_FOLDER = "the user's data folder"
-
-
 def rows_of(settings: BaseSettings, but_for: Iterable[str] = ()) -> list[str]:
     """The table of some settings as it should be."""
     left_out = {f"RAYSVC_{name.upper()}" for name in but_for}
-    defaults = {"RAYSVC_DATA_DIR": USERS_FOLDER}
-    return [
-        f"| `{setting.name}` | {defaults.get(setting.name) or shown(setting.name, setting.default)} "
-        f"| {setting.meaning} |"
-        for setting in described(settings)
-        if setting.name not in left_out
-    ]
+    rows = []
+    for setting in described(settings):
+        default = shown(setting.name, setting.default)
+        if setting.name == "RAYSVC_DATA_DIR":  # another one for each user
+            default = "the user's data folder"
+        if setting.name not in left_out:
+            rows.append(f"| `{setting.name}` | {default} | {setting.meaning} |")
+    return rows
 
 
 def told_rows(page: str) -> list[str]:
