@@ -21,6 +21,8 @@ from typing import Any
 
 import httpx
 
+from raysvc.cli.service_process import running_service
+
 CHECKS = (
     "not_a_server_error",
     "status_code_conformance",
@@ -98,35 +100,24 @@ def _things(url: str) -> dict[str, str]:
 @contextmanager
 def service(folder: Path, **settings: str) -> Iterator[str]:
     """A service that is ready, by its address; what it says goes to a file."""
-    said = folder / "said.txt"
-    command = [sys.executable, "-m", "raysvc", "serve", "--port", "0"]
-    environment = {**os.environ, **SETTINGS, "RAYSVC_DATA_DIR": str(folder / "data"), **settings}
-    with (
-        said.open("wb") as file,
-        subprocess.Popen(command, env=environment, stdout=file, stderr=file) as process,
-    ):
+    with running_service(folder / "data", {**SETTINGS, **settings}) as running:
         try:
-            yield _ready(said)
+            running.wait_until(lambda: _is_ready(running.url), READY_S)
+            yield running.url
         finally:
-            process.terminate()
-            process.wait(60)
+            running.process.terminate()
+            running.process.wait(60)
             failures = re.findall(
-                r"^Traceback .*?^\w[\w.]*: .*?$", said.read_text(), re.MULTILINE | re.DOTALL
+                r"^Traceback .*?^\w[\w.]*: .*?$", running.log.read_text(), re.MULTILINE | re.DOTALL
             )
             print(*failures[:MOST_FAILURES], sep="\n")  # noqa: T201
 
 
-def _ready(said: Path) -> str:
-    end = time.monotonic() + READY_S
-    while time.monotonic() < end:
-        found = re.search(r"raysvc is at (\S+)\n", said.read_text())
-        try:
-            if found and httpx.get(f"{found[1]}/readyz").is_success:
-                return found[1]
-        except httpx.TransportError:
-            pass
-        time.sleep(0.1)
-    raise RuntimeError(said.read_text()[-2000:])
+def _is_ready(url: str) -> bool:
+    try:
+        return httpx.get(f"{url}/readyz").is_success
+    except httpx.TransportError:
+        return False
 
 
 if __name__ == "__main__":

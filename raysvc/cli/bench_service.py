@@ -9,7 +9,7 @@ import typer
 
 from raysvc.cli.arguments import writable
 from raysvc.cli.progress import progress_bar
-from raysvc.cli.service_trial import load, memory, overhead, running_service
+from raysvc.cli.service_trial import load, memory, overhead, service_on_trial
 from raysvc.cli.tables import bench_table, show
 from raysvc.compare.machine import machine
 from raysvc.version import VERSION
@@ -37,9 +37,9 @@ def service(
     with progress_bar("bench service") as report, tempfile.TemporaryDirectory() as folder:
         report("start", 0.0)
         # The first start fills the cache of kernels.
-        with running_service(Path(folder, "first")) as (_, _, first):
+        with service_on_trial(Path(folder, "first")) as (_, _, first):
             pass
-        with running_service(Path(folder, "second")) as (client, process, took):
+        with service_on_trial(Path(folder, "second")) as (client, process, took):
             results.append({"measured": "start", "first_ready_s": first["ready_s"], **took})
             results.append(overhead(client, rounds, report))
             if renders:

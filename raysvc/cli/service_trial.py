@@ -2,23 +2,21 @@
 
 import math
 import multiprocessing
-import os
 import statistics
-import subprocess
-import sys
 import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Any, Final
 
 import httpx
 
-from raysvc.errors import RaysvcError
+from raysvc.cli.service_process import running_service
 
 SCENE: Final = "builtin:cornell"
 CAMERA: Final = {"width": 320, "height": 180}
@@ -33,31 +31,17 @@ Report = Callable[[str, float], None]
 
 
 @contextmanager
-def running_service(data_dir: Path) -> Iterator[tuple[httpx.Client, int, dict[str, float]]]:
+def service_on_trial(data_dir: Path) -> Iterator[tuple[httpx.Client, int, dict[str, float]]]:
     """Start a service; yields a client, the process's number, and how long what took."""
-    command = [sys.executable, "-m", "raysvc", "serve", "--port", "0", "--data-dir", str(data_dir)]
     began = time.perf_counter()
     settings = {"RAYSVC_RESULT_MEMORY_BYTES": str(RESULT_MEMORY_BYTES)}
-    with subprocess.Popen(
-        command,
-        env={**os.environ, **settings},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-    ) as process:
-        try:
-            assert process.stdout is not None
-            address = process.stdout.readline().rpartition(" ")[2].strip()
-            took = {"import_s": time.perf_counter() - began}
-            # What the process says from now on, nobody reads.
-            threading.Thread(target=process.stdout.read, daemon=True).start()
-            with httpx.Client(base_url=address, timeout=120) as client:
-                for name, path in (("live_s", "/healthz"), ("ready_s", "/readyz")):
-                    _wait_until(client, path, process)
-                    took[name] = time.perf_counter() - began
-                yield client, process.pid, took
-        finally:
-            process.kill()
+    with running_service(data_dir, settings, drain=False) as service:
+        took = {"import_s": time.perf_counter() - began}
+        with httpx.Client(base_url=service.url, timeout=120) as client:
+            for name, path in (("live_s", "/healthz"), ("ready_s", "/readyz")):
+                service.wait_until(partial(_succeeds, client, path), LONGEST_START_S)
+                took[name] = time.perf_counter() - began
+            yield client, service.process.pid, took
 
 
 def overhead(client: httpx.Client, rounds: int, report: Report) -> dict[str, Any]:
@@ -173,13 +157,8 @@ def _mib(size: int | None) -> float | None:
     return None if size is None else size / (1 << 20)
 
 
-def _wait_until(client: httpx.Client, path: str, process: subprocess.Popen[str]) -> None:
-    end = time.monotonic() + LONGEST_START_S
-    while time.monotonic() < end and process.poll() is None:
-        try:
-            if client.get(path).is_success:
-                return
-        except httpx.TransportError:
-            pass
-        time.sleep(0.01)
-    raise RaysvcError("the service did not start")
+def _succeeds(client: httpx.Client, path: str) -> bool:
+    try:
+        return client.get(path).is_success
+    except httpx.TransportError:
+        return False

@@ -3,18 +3,16 @@ takes, how much memory, and whether the service stays awake."""
 
 import os
 import re
-import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
 import httpx
 import pytest
 
+from raysvc.cli.service_process import running_service
 from tests.service.process import wait_until
 
 LONGEST_ANSWER_S = 10.0
@@ -22,6 +20,7 @@ LONGEST_PULSE_S = 0.1
 MOST_BYTES = 1 << 30
 PULSE_PAUSE_S = 0.01
 LOOK_PAUSE_S = 0.05
+READY_WITHIN_S = 120.0
 ROUNDS = 3
 
 pytestmark = [
@@ -71,24 +70,6 @@ class Memory(threading.Thread):
         self.join()
 
 
-@contextmanager
-def service(folder: Path) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
-    """A running service and its address; what it says goes to a file, which never fills up."""
-    said = folder / "said.txt"
-    command = [sys.executable, "-m", "raysvc", "serve", "--port", "0", "--data-dir", str(folder)]
-    with said.open("wb") as file, subprocess.Popen(command, stdout=file, stderr=file) as process:
-        try:
-            for _ in range(600):
-                if found := re.search(r"raysvc is at (\S+)\n", said.read_text()):
-                    break
-                time.sleep(0.1)
-            assert found, said.read_text()
-            yield process, found[1]
-        finally:
-            process.terminate()
-            process.wait(60)
-
-
 def children(process: int) -> list[int]:
     found: list[int] = []
     for task in Path(f"/proc/{process}/task").iterdir():
@@ -104,15 +85,6 @@ def resident_bytes(process: int) -> int:
         return 0
     found = re.search(r"^Pss:\s+(\d+) kB", text, re.MULTILINE)
     return int(found[1]) * 1024 if found else 0
-
-
-def wait_until_ready(client: httpx.Client) -> None:
-    wait_until(client, "/healthz")
-    for _ in range(1200):
-        if client.get("/readyz").is_success:
-            return
-        time.sleep(0.1)
-    raise AssertionError("the service does not get ready")
 
 
 def collections_of(path: Path) -> tuple[str, ...]:
@@ -134,12 +106,16 @@ class Round(NamedTuple):
 
 
 def test_hostile_files_do_no_harm(assets: Path, tmp_path: Path) -> None:
-    with service(tmp_path) as (process, url), httpx.Client(base_url=url, timeout=60) as client:
-        wait_until_ready(client)
+    with (
+        running_service(tmp_path) as service,
+        httpx.Client(base_url=service.url, timeout=60) as client,
+    ):
+        wait_until(client, "/healthz")
+        service.wait_until(lambda: client.get("/readyz").is_success, READY_WITHIN_S)
         rounds = []
         # A machine that others use stops now and then too; a fault of ours would be there again.
         while len(rounds) < ROUNDS and (not rounds or rounds[-1].longest_pulse_s > LONGEST_PULSE_S):
-            rounds.append(everything_sent(client, process.pid, assets / "hostile"))
+            rounds.append(everything_sent(client, service.process.pid, assets / "hostile"))
             print("\n", rounds[-1])  # noqa: T201
             for resource in client.get("/v1/scenes").json()["scenes"]:
                 client.delete(f"/v1/scenes/{resource['id']}")
