@@ -29,7 +29,7 @@ from raysvc.lighting.zonal import ZonalMap
 from raysvc.parallel import Control, for_chunks
 from raysvc.scene import Environment
 from raysvc.shading.surface import Surface
-from raysvc.types import Doubles, Floats
+from raysvc.types import Doubles, Floats, Ints
 
 Method = Literal["sat", "sh9", "split_sum", "brute"]
 METHODS: Final[tuple[Method, ...]] = get_args(Method)
@@ -90,6 +90,8 @@ class ImageLight:
         self._harmonics = ZonalMap.of(resampled(self.rest, 2 * DEGREE, 4 * DEGREE), DEGREE)
         self._phong: LobeLevels | None = None
         self._phong_lock = threading.Lock()
+        self._tables_with_suns: Doubles | None = None
+        self._with_suns_lock = threading.Lock()
         levels, table = self._filtered(control or Control(threads=1))
         self._narrow = (table.tables, filtering.order)
         self.lobes = (*self._narrow, *levels)
@@ -146,10 +148,10 @@ class ImageLight:
             self._phong = LobeLevels.of(self._harmonics, phong_lobes())
             return time.perf_counter() - start
 
-    def _phong_levels(self) -> LobeLevels:
+    def _phong_levels(self) -> tuple[Floats, Ints, Ints]:
         self.make_phong()
         assert self._phong is not None
-        return self._phong
+        return self._phong.texels, self._phong.sides, self._phong.firsts
 
     def phong(self, directions: Floats, exponent: float) -> Floats:
         """Mean radiance (N, 3) float32 of all but the suns under cos^exponent about directions.
@@ -277,13 +279,15 @@ class ImageLight:
         texel_sr = 4.0 * math.pi / (self._map.shape[0] * self._map.shape[1])
         wide = surface.mirrored.pixel_sr > texel_sr
         if wide.any() and (wide & (surface.roughness <= MIRROR_ROUGHNESS)).any():
-            return self._with_suns
+            return self._with_suns()
         return self._narrow[0]
 
-    @cached_property
     def _with_suns(self) -> Doubles:
-        """Made when first asked for: only mirrors that are far or curved have need of it."""
-        return sphere_table(self._map, 1, self.filtering.builder).tables
+        """Made when first asked for, by one thread while the others wait: few mirrors need it."""
+        with self._with_suns_lock:
+            if self._tables_with_suns is None:
+                self._tables_with_suns = sphere_table(self._map, 1, self.filtering.builder).tables
+            return self._tables_with_suns
 
     def _fits(self, lookups: int | None) -> Floats:
         if self.filtering.method == "split_sum":
