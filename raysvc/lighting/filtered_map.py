@@ -62,8 +62,8 @@ def filtered_map(
         what is filtered, its sun included
     roughness
         0 to 1, glTF's: GGX's alpha is its square. Up to MIRROR_ROUGHNESS it is the map itself, in
-        the size that is asked for; 1 is the cosine lobe, irradiance / pi. Lobes that are narrower
-        than a texel of the result are averaged over it.
+        the size that is asked for; 1 is the cosine lobe, irradiance / pi. Narrow lobes
+        are averaged over texels of the result: under 3 of its rows, or of any up to 0.096.
     width, height
         of the result in texels, at most MAX_WIDTH and MAX_HEIGHT; not taller than wide
     yaw_deg, strength
@@ -102,7 +102,8 @@ def filtered_map(
         for sun in suns:
             _add_sun(sun, alpha, yaw_deg, filtered)
     else:
-        # The lobe is hardly wider than a texel: means over texels, the sun's among them
+        # The lobe is narrow for the result, or for MOST_ROWS: means over its texels, and the sun
+        # is one of them
         finer = -(-FEWEST_ROWS_OF_TEXELS // height)
         texels = resampled(environment.radiance, finer * height, finer * width, yaw_deg)
         filtered = _convolved(texels, alpha, finer * height, finer * width, control)

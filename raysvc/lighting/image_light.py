@@ -148,10 +148,11 @@ class ImageLight:
             self._phong = LobeLevels.of(self._harmonics, phong_lobes())
             return time.perf_counter() - start
 
-    def _phong_levels(self) -> tuple[Floats, Ints, Ints]:
+    def _power_lobes(self) -> tuple[Doubles, int, Floats, Ints, Ints]:
+        """What narrow and wide powers of the cosine are read from."""
         self.make_phong()
         assert self._phong is not None
-        return self._phong.texels, self._phong.sides, self._phong.firsts
+        return (*self._narrow, *self._phong)
 
     def phong(self, directions: Floats, exponent: float) -> Floats:
         """Mean radiance (N, 3) float32 of all but the suns under cos^exponent about directions.
@@ -161,8 +162,7 @@ class ImageLight:
         """
         result = np.empty((len(directions), 3), np.float32)
         phong_radiances(
-            *self._narrow,
-            *self._phong_levels(),
+            *self._power_lobes(),
             directions,
             float(exponent),
             *self._turn,
@@ -179,8 +179,7 @@ class ImageLight:
         """
         result = np.empty((len(directions), 3), np.float32)
         cone_radiances(
-            *self._narrow,
-            *self._phong_levels(),
+            *self._power_lobes(),
             self._map,
             directions,
             half_width,
@@ -263,8 +262,7 @@ class ImageLight:
         )
         if surface.brushed.size:
             brushed_light(
-                *self._narrow,
-                *self._phong_levels(),
+                *self._power_lobes(),
                 self._albedo.specular,
                 brushed_lattice(LOOKUPS_PER_ROUND_LOBE * (lookups or self.filtering.lookups)),
                 *self._turn,
