@@ -100,9 +100,7 @@ PROBLEMS: Final[Mapping[type[errors.RaysvcError], Problem]] = MappingProxyType(
             HTTPStatus.FORBIDDEN, "foreign-page", "Pages of this origin may not call the service"
         ),
         errors.QueueFull: Problem(HTTPStatus.TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
-        errors.Busy: Problem(
-            HTTPStatus.SERVICE_UNAVAILABLE, "busy", "Its turn did not come in time"
-        ),
+        errors.Busy: Problem(HTTPStatus.TOO_MANY_REQUESTS, "busy", "Its turn did not come in time"),
         errors.InUse: Problem(HTTPStatus.CONFLICT, "in-use", "Jobs are going to need it"),
         errors.IdempotencyKeyReused: Problem(
             HTTPStatus.UNPROCESSABLE_ENTITY,

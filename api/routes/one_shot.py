@@ -61,8 +61,7 @@ ONE_SHOT_BODY = {
     response_class=Response,
     responses={
         200: IMAGE_RESPONSE,
-        503: PROBLEM_RESPONSE
-        | {"description": "Its turn did not come in time, or the service is shutting down"},
+        503: PROBLEM_RESPONSE | {"description": "The service is shutting down"},
     },
     openapi_extra=ONE_SHOT_BODY,
 )

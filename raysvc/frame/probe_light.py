@@ -8,6 +8,7 @@ The tables of a captured map take a small bright light out of it as they do with
 put back as a highlight, so that nothing that was captured is lost or counted twice.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,20 +82,31 @@ class ProbeLight:
         if not self._base.suns or not len(mirror):
             return
         directions = mirror_rays(surface.chosen(mirror)).directions
+        pixel_rad = _pixel_rad(surface.chosen(mirror))
         looks = np.zeros(len(mirror), bool)
         for sun in self._base.suns:
-            reach = 2.0 * sun.angular_radius_rad + SUN_BORDER_RAD
+            reach = 2.0 * sun.angular_radius_rad + SUN_BORDER_RAD + pixel_rad
             looks |= directions @ np.array(sun.direction, np.float32) > np.cos(reach)
         point = mirror[looks]
         if not len(point):
             return
         looking = surface.chosen(point)
         rays = mirror_rays(looking)
-        width = np.full(len(point), WITHOUT_SUN_RAD, np.float32)
-        disc = self._base.radiance(rays.directions) - self._base.cone(rays.directions, width)
+        # A cone with the variance of the pixel's square
+        width = np.maximum(_pixel_rad(looking) / np.float32(math.sqrt(3.0)), WITHOUT_SUN_RAD)
+        without = specular_albedo(looking) * self._base.cone(rays.directions, width)
+        disc = self._base.specular(looking) - without
         self._ledger.count("shadow", len(point))
         free = self._world.transmittance(rays)
-        total[point] += specular_albedo(looking) * np.maximum(disc, 0.0) * free[:, None]
+        total[point] += np.maximum(disc, 0.0) * free[:, None]
+
+
+def _pixel_rad(surface: Surface) -> Floats:
+    """(N,) side of the square that a pixel sees mirrored."""
+    if not surface.mirrored.size:
+        return np.zeros(surface.size, np.float32)
+    side: Floats = np.sqrt(surface.mirrored.pixel_sr)
+    return side
 
 
 def _as_metal(surface: Surface) -> Surface:

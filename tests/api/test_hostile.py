@@ -49,7 +49,7 @@ def test_a_real_scene_with_side_files_is_taken(client: TestClient, assets: Path)
 
 @pytest.mark.skipif(os.name != "posix", reason="needs rlimits")
 def test_uploads_that_are_slow_to_read_keep_nobody_else_waiting(make_client: MakeClient) -> None:
-    client = make_client(parse_processes=1, heavy_threads=1, parse_s=5, parse_cpu_s=60)
+    client = make_client(parse_processes=1, heavy_threads=1, parse_s=2, parse_cpu_s=60)
     client.post("/v1/scenes", files={"file": ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")})
     slow = {"file": ("slow.ply", slow_ply(600_000))}
     with ThreadPoolExecutor(1) as pool:
