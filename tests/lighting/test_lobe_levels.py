@@ -46,6 +46,7 @@ def look_narrow(sharp, levels, direction, level, narrowest, result):
             direction[2],
             level[i],
             narrowest,
+            0.0,
         )
         result[i, 0], result[i, 1], result[i, 2] = r, g, b
 
