@@ -260,6 +260,7 @@ def respond(  # noqa: PLR0913 - a kernel takes plain arrays
                 normal[i, 2] + node[k, 0] * lean[i, 2],
                 level + node[k, 1],
                 GGX_BOX,
+                0.0,
             )
             y = 0.2126 * r + 0.7152 * g + 0.0722 * b
             both[i, 0] += node[k, 2] * y
