@@ -10,7 +10,7 @@ import hashlib
 import os
 import stat
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Final, ParamSpec, TypeVar
 
@@ -43,19 +43,18 @@ def kernel_cache_dir() -> Path:
     return Path(tempfile.mkdtemp(prefix="raysvc-kernels-"))
 
 
-def _homes() -> list[Path]:
-    """Folders that may hold kernels, the best first."""
+def _homes() -> Iterator[Path]:
+    """Folders that may hold kernels, the best first; the last is made when it is asked for."""
     chosen = os.environ.get("RAYSVC_CACHE")
     if chosen:
-        return [Path(chosen)]
-    homes = []
+        yield Path(chosen)
+        return
     with contextlib.suppress(RuntimeError):  # a user without a home
-        homes.append(Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "raysvc")
+        yield Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "raysvc"
     if hasattr(os, "getuid"):
         shared = Path(tempfile.gettempdir()) / f"raysvc-{os.getuid()}"
         if _is_ours(shared):
-            homes.append(shared)
-    return homes
+            yield shared
 
 
 def _is_ours(folder: Path) -> bool:
