@@ -34,7 +34,7 @@ def map_body(context: Any, body: Any) -> Any:
 
 
 @schemathesis.serializer("application/x-npy")
-def npy(context: Any, value: Any) -> bytes:  # noqa: ARG001 - schemathesis passes it
+def npy(context: Any, value: Any) -> bytes:
     """Send what is to be a NumPy file as it is: its example is a text, and nothing of the sort."""
     return value if isinstance(value, bytes) else str(value).encode()
 
