@@ -12,7 +12,7 @@ What goes wrong is raised as the same exceptions as where raysvc itself does the
 
     client.py        Client: everything below at one address
     stored.py        scenes and environments
-    renders.py       renders;  comparisons.py: comparisons of acceleration structures
+    jobs.py          what renders.py and comparisons.py (of acceleration structures) share
     following.py     hearing how far a job is, and waiting for it
     resources.py     what the service answers with
     scene_files.py   a scene's file and those that it refers to

@@ -48,8 +48,8 @@ class Client:
         )
         self.scenes = Scenes(self._connection, "/v1/scenes")
         self.environments = Environments(self._connection, "/v1/environments")
-        self.renders = Renders(self._connection)
-        self.comparisons = Comparisons(self._connection)
+        self.renders = Renders(self._connection, "/v1/renders")
+        self.comparisons = Comparisons(self._connection, "/v1/comparisons")
 
     def __enter__(self) -> Self:
         return self
